@@ -1,0 +1,1 @@
+//! Shared f64 mathematics of Himmel. No GPU, no I/O.
