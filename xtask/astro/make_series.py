@@ -69,4 +69,33 @@ def vsop():
     print("vsop87:", total, "terms")
 
 
+# ELP/MPP02: cuts in arcseconds (longitude, latitude) and km (distance), likewise between 1850 and 2150.
+ELP_CUT = {"L": 0.05, "B": 0.05, "R": 0.1}
+ELP_NAME = {"L": "LONGITUDE", "B": "LATITUDE", "R": "DISTANCE"}
+
+
+def elp():
+    series = load("elpMppDeFull.js")
+    out = [HEADER, "use super::elp::Wave;\n\n"]
+    total = 0
+    out.append("/// Mean longitude, polynomial in Julian centuries (rad).\n"
+               f"pub(super) static MEAN_LONGITUDE: [f64; 5] = [{', '.join(map(rust, series['W1']))}];\n\n")
+    for variable, cut in ELP_CUT.items():
+        names = []
+        for power in range(4):
+            terms = series[variable].get(str(power), [])
+            kept = [t for t in terms if abs(t[0]) * 1.5**power > cut]
+            if not kept:
+                continue
+            assert power == len(names)
+            const = f"{ELP_NAME[variable]}_{power}"
+            names.append(f"&{const}")
+            total += len(kept)
+            out.append(f"static {const}: [Wave; {len(kept)}] = [\n{rows(kept)}];\n")
+        out.append(f"/// By powers of the time.\npub(super) static {ELP_NAME[variable]}: &[&[Wave]] = &[{', '.join(names)}];\n\n")
+    (target / "elp_tables.rs").write_text("".join(out))
+    print("elp:", total, "terms")
+
+
 vsop()
+elp()

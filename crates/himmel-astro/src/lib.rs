@@ -27,7 +27,7 @@ pub mod time;
 
 pub use apparent::{Apparent, Observer, observe};
 pub use body::Body;
-pub use ephemeris::{Ephemeris, Fast, State};
+pub use ephemeris::{Cached, Ephemeris, Fast, Precise, State};
 pub use error::{AstroError, Result};
 pub use place::Place;
 pub use refraction::AirAtObserver;

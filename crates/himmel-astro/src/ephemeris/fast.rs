@@ -1,10 +1,10 @@
 use super::{Ephemeris, State};
 use crate::body::Body;
-use crate::error::{AstroError, Result};
-use crate::series::vsop87;
+use crate::error::Result;
+use crate::series::{elp, pluto, vsop87};
 use crate::time::JulianDateTdb;
 
-/// Analytic series only: no data file, any date within 4000 years of J2000.
+/// Analytic series only: no data file; any date from 2000 BC to AD 6000 (Pluto: 1885–2099).
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Fast;
 
@@ -16,16 +16,16 @@ impl Ephemeris for Fast {
     fn state(&self, body: Body, tdb: JulianDateTdb) -> Result<State> {
         match body {
             Body::Sun => Ok(State::default()),
-            Body::Earth => vsop87::heliocentric(Body::Earth, tdb),
-            _ => Err(AstroError::Unsupported {
-                ephemeris: "fast",
-                body: body.to_string(),
-                hint: "not yet",
-            }),
+            Body::Moon => self.earth_and_moon(tdb).map(|(earth, moon)| earth + moon),
+            Body::Pluto => pluto::heliocentric(tdb),
+            _ => vsop87::heliocentric(body, tdb),
         }
     }
 
     fn earth_and_moon(&self, tdb: JulianDateTdb) -> Result<(State, State)> {
-        Ok((self.state(Body::Earth, tdb)?, State::default()))
+        Ok((
+            vsop87::heliocentric(Body::Earth, tdb)?,
+            elp::geocentric_moon(tdb)?,
+        ))
     }
 }

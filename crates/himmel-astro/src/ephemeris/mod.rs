@@ -1,8 +1,13 @@
 //! Where the bodies are, in m and m/s along GCRS axes: one trait, several levels.
 
+mod cached;
 mod fast;
+mod pack;
+mod precise;
 
+pub use cached::Cached;
 pub use fast::Fast;
+pub use precise::Precise;
 
 use crate::body::Body;
 use crate::error::Result;
