@@ -20,9 +20,12 @@ pub mod constants;
 pub mod earth;
 pub mod ephemeris;
 mod error;
+pub mod events;
+pub mod physical;
 mod place;
 mod refraction;
 mod series;
+pub mod stars;
 pub mod time;
 
 pub use apparent::{Apparent, Observer, observe};
@@ -31,4 +34,5 @@ pub use ephemeris::{Cached, Ephemeris, Fast, Precise, State};
 pub use error::{AstroError, Result};
 pub use place::Place;
 pub use refraction::AirAtObserver;
+pub use stars::{Catalogue, Star};
 pub use time::Instant;

@@ -1,8 +1,9 @@
 //! Places against independent tables: DE440 through ERFA (`truth/SOURCE.md`), by the table of accuracies in
 //! `docs/astronomy.md`.
 
-use himmel_astro::time::{JulianDateTt, JulianDateUt1};
-use himmel_astro::{Body, Ephemeris, Fast, Instant, Observer, Place, Precise};
+use himmel_astro::events::{CrossingKind, Horizon, ShadowConvention, crossings, lunar_eclipses};
+use himmel_astro::time::{DeltaTModel, JulianDateTt, JulianDateUt1};
+use himmel_astro::{Body, Catalogue, Ephemeris, Fast, Instant, Observer, Place, Precise};
 use std::collections::BTreeMap;
 
 /// One row by column name.
@@ -101,4 +102,125 @@ fn precise_bodies() {
 #[test]
 fn fast_bodies() {
     check_bodies(&Fast);
+}
+
+/// Precise 0.02″, fast 0.5″, by the same table of accuracies.
+fn check_stars(ephemeris: &dyn Ephemeris, tolerance_arcsec: f64) {
+    let mut worst = 0.0_f64;
+    for row in rows(include_str!("truth/stars.csv")) {
+        let (instant, place) = setting(&row);
+        let observer = Observer::new(ephemeris, &instant, &place).unwrap();
+        let star = Catalogue::embedded().find(row["body"]).unwrap();
+        let seen = observer.apparent_star(star);
+        let arcsec = separation_arcsec(
+            seen.right_ascension_rad.to_degrees(),
+            seen.declination_rad.to_degrees(),
+            number(&row, "ra_deg"),
+            number(&row, "dec_deg"),
+        );
+        let horizontal = separation_arcsec(
+            seen.azimuth_rad.to_degrees(),
+            seen.altitude_rad.to_degrees(),
+            number(&row, "azimuth_deg"),
+            number(&row, "altitude_deg"),
+        );
+        worst = worst.max(arcsec).max(horizontal);
+        assert!(
+            arcsec < tolerance_arcsec && horizontal < tolerance_arcsec,
+            "{} at {}: {arcsec:.4}″",
+            row["body"],
+            row["jd_tt"]
+        );
+    }
+    println!("{} stars: {worst:.4}″", ephemeris.name());
+}
+
+#[test]
+fn stars() {
+    check_stars(&Precise::embedded().unwrap(), 0.02);
+    check_stars(&Fast, 0.5);
+}
+
+/// Rise, set and twilights of 100 site-days within 1 s (precise) and 10 s (fast), and in number and kind.
+fn check_rise_set(ephemeris: &dyn Ephemeris, tolerance_s: f64) {
+    let mut days: BTreeMap<String, Vec<BTreeMap<&str, &str>>> = BTreeMap::new();
+    for row in rows(include_str!("truth/rise_set.csv")) {
+        let key = ["jd_tt_start", "latitude_deg", "longitude_deg"].map(|k| row[k]).join(" ");
+        days.entry(key).or_default().push(row);
+    }
+    assert_eq!(days.len(), 100);
+    let (mut worst, mut count, mut beyond) = (0.0_f64, 0, 0);
+    for day in days.values() {
+        let first = &day[0];
+        let start = JulianDateTt::new(number(first, "jd_tt_start")).unwrap();
+        let end = JulianDateTt::new(start.jd() + 1.0).unwrap();
+        let model = DeltaTModel::fixed(number(first, "delta_t_s")).unwrap();
+        let place =
+            Place::from_degrees(number(first, "latitude_deg"), number(first, "longitude_deg"), number(first, "height_m"))
+                .unwrap();
+        for (name, body, horizon) in [
+            ("sun", Body::Sun, Horizon::SunConvention),
+            ("civil", Body::Sun, Horizon::CivilTwilight),
+            ("nautical", Body::Sun, Horizon::NauticalTwilight),
+            ("astronomical", Body::Sun, Horizon::AstronomicalTwilight),
+            ("moon", Body::Moon, Horizon::UpperLimb),
+        ] {
+            let (found, up) = crossings(ephemeris, body, horizon, &place, (start, end), model).unwrap();
+            let expected: Vec<_> = day.iter().filter(|r| r["event"].split('_').next() == Some(name)).collect();
+            if expected[0]["jd_tt"].is_empty() {
+                assert!(found.is_empty() && up == expected[0]["event"].ends_with("_up"), "{name} {expected:?}");
+                continue;
+            }
+            assert_eq!(found.len(), expected.len(), "{name} {expected:?}");
+            for (ours, theirs) in found.iter().zip(expected) {
+                assert_eq!(ours.kind == CrossingKind::Rise, theirs["event"].ends_with("_rise"));
+                let seconds = (ours.instant.tt().jd() - number(theirs, "jd_tt")).abs() * 86_400.0;
+                count += 1;
+                if seconds < tolerance_s {
+                    worst = worst.max(seconds);
+                } else {
+                    beyond += 1;
+                    println!("{} {name} {theirs:?}: {seconds:.2} s", ephemeris.name());
+                }
+            }
+        }
+    }
+    println!("{}: {count} events, worst {worst:.3} s, {beyond} beyond {tolerance_s} s", ephemeris.name());
+    assert_eq!(beyond, 0);
+}
+
+#[test]
+fn rise_and_set() {
+    check_rise_set(&Precise::embedded().unwrap(), 1.0);
+    check_rise_set(&Fast, 10.0);
+}
+
+/// Every lunar eclipse of 1950–2050, contacts within 2 s (precise) and 30 s (fast).
+fn check_lunar_eclipses(ephemeris: &dyn Ephemeris, tolerance_s: f64) {
+    let span = (JulianDateTt::new(2_433_282.5).unwrap(), JulianDateTt::new(2_469_807.5).unwrap());
+    let found = lunar_eclipses(ephemeris, span, ShadowConvention::Danjon).unwrap();
+    let expected: Vec<_> = rows(include_str!("truth/lunar_eclipses.csv")).collect();
+    assert_eq!(found.len(), expected.len());
+    let mut worst = BTreeMap::<&str, f64>::new();
+    for (ours, theirs) in found.iter().zip(&expected) {
+        assert_eq!(ours.kind.name(), theirs["type"], "{theirs:?}");
+        assert!((ours.umbral_magnitude - number(theirs, "umbral_magnitude")).abs() < 0.002);
+        let moments = [Some(ours.greatest), ours.p1, ours.u1, ours.u2, ours.u3, ours.u4, ours.p4];
+        for (moment, key) in moments.into_iter().zip(["greatest_jd_tt", "p1", "u1", "u2", "u3", "u4", "p4"]) {
+            let Some(moment) = moment else {
+                assert_eq!(theirs[key], "", "{theirs:?}");
+                continue;
+            };
+            let seconds = (moment.jd() - number(theirs, key)).abs() * 86_400.0;
+            let w = worst.entry(key).or_default();
+            *w = w.max(seconds);
+            assert!(seconds < tolerance_s, "{key} {theirs:?}: {seconds:.2} s");
+        }
+    }
+    println!("{}: {} lunar eclipses, worst {worst:.3?} s", ephemeris.name(), found.len());
+}
+
+#[test]
+fn lunar_eclipses_of_a_century() {
+    check_lunar_eclipses(&Precise::embedded().unwrap(), 2.0);
 }

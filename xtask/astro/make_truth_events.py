@@ -1,0 +1,104 @@
+"""Independent tables of events: rise, set and twilights for 100 site-days, lunar eclipses 1950-2050, from DE440 with erfa.
+
+usage: make_truth_events.py DE440_BSP TARGET_FOLDER
+Needs PyPI pyerfa, jplephem, numpy, scipy. TARGET_FOLDER is crates/himmel-astro/tests/truth.
+"""
+import csv
+import sys
+from pathlib import Path
+
+import erfa
+import numpy as np
+from scipy.optimize import brentq, minimize_scalar
+
+from truth_apparatus import AU_KM, CHAIN, C_KM_D, EARTH, apparent, state
+
+target = Path(sys.argv[2])
+rng = np.random.default_rng(1950)
+
+KINDS = {"sun": -50 / 60, "civil": -6.0, "nautical": -12.0, "astronomical": -18.0}
+with open(target / "rise_set.csv", "w") as f:
+    w = csv.writer(f, lineterminator="\n")
+    w.writerow(["jd_tt_start", "delta_t_s", "latitude_deg", "longitude_deg", "height_m", "event", "jd_tt"])
+    for _ in range(100):
+        start = np.floor(rng.uniform(2415021, 2469800)) + 0.5
+        dt = round(rng.uniform(0, 70), 3)
+        lat = round(np.degrees(np.arcsin(rng.uniform(-0.97, 0.97))), 5)
+        lon, h = round(rng.uniform(-180, 180), 5), round(rng.uniform(0, 2500), 1)
+        grid = start + np.arange(0, 1 + 1e-9, 1 / 240)
+
+        def altitude(body, tt):
+            r = apparent(body, tt, tt - dt / 86400, lat, lon, h)
+            return r[3] + (34 / 60 + np.degrees(np.arcsin(1737.4 / r[4])) if body == "moon" else 0.0)
+
+        for body, kinds in (("sun", KINDS), ("moon", {"moon": 0.0})):
+            alt = np.array([altitude(body, t) for t in grid])
+            for kind, threshold in kinds.items():
+                for i in np.nonzero((alt[:-1] > threshold) != (alt[1:] > threshold))[0]:
+                    jd = brentq(lambda t: altitude(body, t) - threshold, grid[i], grid[i + 1], xtol=1e-9)
+                    w.writerow([repr(float(start)), dt, lat, lon, h,
+                                kind + ("_rise" if alt[i + 1] > threshold else "_set"), f"{jd:.8f}"])
+                if not ((alt > threshold).any() and (alt < threshold).any()):
+                    w.writerow([repr(float(start)), dt, lat, lon, h, kind + ("_up" if alt[0] > threshold else "_down"), ""])
+
+
+def geocentric(name, tt):
+    """Apparent direction by light time and aberration; for the Moon the distance of the same instant."""
+    tdb = tt + 0.001657 / 86400 * np.sin(np.radians(357.53 + 0.98560028 * (tt - 2451545)))
+    ep, ev = state(EARTH, tdb)
+    tau = 0.0
+    for _ in range(5):
+        body = state(CHAIN[name], tdb - tau)[0]
+        tau = np.linalg.norm(body - ep) / C_KM_D
+    u = (body - ep) / np.linalg.norm(body - ep)
+    beta = ev / C_KM_D
+    sun = state(CHAIN["sun"], tdb)[0]
+    u = erfa.ab(u, beta, np.linalg.norm(ep - sun) / AU_KM, np.sqrt(1 - beta @ beta))
+    return u, np.linalg.norm((state(CHAIN[name], tdb)[0] if name == "moon" else body) - ep)
+
+
+def shadow(tt):
+    """Separation, umbra, penumbra, Moon (radians), Danjon's enlargement."""
+    (m, dm), (s, ds) = geocentric("moon", tt), geocentric("sun", tt)
+    d = 2 * np.arcsin(np.linalg.norm(m + s) / 2)
+    pm, ps, ss = np.arcsin(6378.1366 / dm), np.arcsin(6378.1366 / ds), np.arcsin(695700 / ds)
+    return d, 1.01 * pm + ps - ss, 1.01 * pm + ps + ss, np.arcsin(1737.4 / dm)
+
+
+with open(target / "lunar_eclipses.csv", "w") as f:
+    w = csv.writer(f, lineterminator="\n")
+    w.writerow(["greatest_jd_tt", "type", "umbral_magnitude", "penumbral_magnitude", "p1", "u1", "u2", "u3", "u4", "p4"])
+    k = (2433282.5 - 2451550.09766) // 29.530588861 - 1
+    count = 0
+    while True:
+        k += 1
+        guess = 2451550.09766 + 29.530588861 * (k + 0.5)
+        if guess > 2469807.5 + 1:
+            break
+        if min(shadow(guess + x)[0] for x in (-0.6, -0.3, 0, 0.3, 0.6)) > 0.075:
+            continue
+        coarse = min(np.arange(guess - 0.8, guess + 0.8, 0.05), key=lambda t: shadow(t)[0])
+        r = minimize_scalar(lambda t: shadow(t)[0] ** 2, bounds=(coarse - 0.05, coarse + 0.05), method="bounded",
+                            options={"xatol": 1e-6})
+        # The derivative's zero, which a minimiser alone finds only to seconds.
+        slope = lambda t: shadow(t + 0.002)[0] ** 2 - shadow(t - 0.002)[0] ** 2
+        t0 = brentq(slope, r.x - 0.02, r.x + 0.02, xtol=1e-9)
+        if not 2433282.5 <= t0 <= 2469807.5:
+            continue
+        d, u, p, m = shadow(t0)
+        if p + m - d <= 0:
+            continue
+
+        def contact(g, side):
+            if g(*shadow(t0)) <= 0:
+                return ""
+            return f"{brentq(lambda t: g(*shadow(t)), t0, t0 + side * 0.19, xtol=1e-9):.8f}"
+
+        P = lambda d, u, p, m: p + m - d
+        U = lambda d, u, p, m: u + m - d
+        T = lambda d, u, p, m: u - m - d
+        kind = "total" if u - m - d > 0 else "partial" if u + m - d > 0 else "penumbral"
+        w.writerow([f"{t0:.8f}", kind, f"{(u + m - d) / (2 * m):.6f}", f"{(p + m - d) / (2 * m):.6f}", contact(P, -1),
+                    contact(U, -1), contact(T, -1), contact(T, 1), contact(U, 1), contact(P, 1)])
+        count += 1
+print(count, "lunar eclipses")
