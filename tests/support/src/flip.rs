@@ -62,7 +62,7 @@ pub struct FlipStats {
 ///
 /// ΔE = ΔE_c^(1 − ΔE_f)     [andersson2020flip, eq. 7]: colour difference ΔE_c, feature difference ΔE_f, all in 0..=1.
 ///
-/// Laws tested: identical pictures give 0; symmetric; within 0..=1; black against white gives 0.96739
+/// Laws tested: identical pictures give 0; symmetric; within 0..=1; black against white gives 0.96738
 /// (grey differs less than the widest pair of the gamut, green against blue, which gives 1).
 pub fn flip(
     reference: &Rgb8Image,

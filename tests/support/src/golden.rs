@@ -36,11 +36,15 @@ pub enum Mode {
 impl Mode {
     /// The mode that `HIMMEL_GOLDEN` asks for: `check` (or unset, or empty) or `propose`.
     pub fn from_env() -> Result<Self, GoldenError> {
-        match std::env::var_os(MODE_VARIABLE)
-            .unwrap_or_default()
-            .to_string_lossy()
-            .as_ref()
-        {
+        Mode::parse(
+            &std::env::var_os(MODE_VARIABLE)
+                .unwrap_or_default()
+                .to_string_lossy(),
+        )
+    }
+
+    fn parse(value: &str) -> Result<Self, GoldenError> {
+        match value {
             "" | "check" => Ok(Mode::Check),
             "propose" => Ok(Mode::Propose),
             other => Err(GoldenError::Mode(other.to_owned())),
@@ -398,6 +402,14 @@ mod tests {
             parse_tolerance_file(Kind::Png, "kind = png\nmean = NaN\nmax = inf\n"),
             None
         );
+    }
+
+    #[test]
+    fn a_misspelt_mode_is_an_error_and_not_a_check() {
+        assert_eq!(Mode::parse("").unwrap(), Mode::Check);
+        assert_eq!(Mode::parse("check").unwrap(), Mode::Check);
+        assert_eq!(Mode::parse("propose").unwrap(), Mode::Propose);
+        assert!(Mode::parse("Propose").is_err() && Mode::parse("1").is_err());
     }
 
     #[test]

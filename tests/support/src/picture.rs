@@ -69,7 +69,7 @@ pub struct FlipTolerance {
 }
 
 impl Default for FlipTolerance {
-    /// One step of an 8-bit grey in the middle costs about 0.03: nobody sees less than this.
+    /// Even one step of all greys (0.03) or one star gone (0.4 where it was) fails; a few pixels of rounding pass.
     fn default() -> Self {
         FlipTolerance {
             mean: 0.005,
