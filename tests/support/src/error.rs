@@ -6,7 +6,9 @@ use std::path::PathBuf;
 pub type Size = (usize, usize);
 
 /// Why a golden check, a review or an acceptance did not go through. Paths come last.
-#[derive(Debug, thiserror::Error)]
+///
+/// `Debug` prints the sentence too: it is what a test that returns this error, or unwraps it, shows.
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum GoldenError {
     /// The name cannot be a file name on every system.
@@ -115,6 +117,12 @@ pub enum GoldenError {
         "the golden tests did not run through ({0}); the proposals made so far can still be reviewed"
     )]
     Tests(String),
+}
+
+impl std::fmt::Debug for GoldenError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{self}")
+    }
 }
 
 impl GoldenError {

@@ -97,6 +97,11 @@ impl Bench {
         {
             assert!(sentence.contains(word), "no {word:?} in: {sentence}");
         }
+        assert_eq!(
+            format!("{error:?}"),
+            sentence,
+            "what a test that returns the error shows"
+        );
         assert!(self.left().iter().all(|f| !f.ends_with(".tmp")));
     }
 }
@@ -352,6 +357,49 @@ fn exr_keeps_half_floats_exactly_and_clamps_the_rest() {
     assert_eq!(half.rgb()[5..9], [65504.0, 65504.0, -65504.0, 65504.0]);
     assert!((half.rgb()[9] - 0.1).abs() < 0.1 / 2048.0);
     assert_eq!(half.rgb()[10], 0.0);
+}
+
+#[test]
+fn exr_of_any_lossless_kind_is_read_and_no_other() {
+    use exr::prelude::*;
+    let encoded = |compression| {
+        let encoding = Encoding {
+            compression,
+            ..Encoding::default()
+        };
+        let pixels =
+            SpecificChannels::rgb(|at: Vec2<usize>| (0.1f32, at.x() as f32, at.y() as f32));
+        let mut bytes = std::io::Cursor::new(Vec::new());
+        let image = Image::from_layer(Layer::new(
+            (5, 3),
+            LayerAttributes::default(),
+            encoding,
+            pixels,
+        ));
+        image.write().to_buffered(&mut bytes).unwrap();
+        decode_exr(&bytes.into_inner())
+    };
+    for lossless in [
+        Compression::Uncompressed,
+        Compression::RLE,
+        Compression::ZIP1,
+        Compression::ZIP16,
+    ] {
+        let picture = encoded(lossless).unwrap();
+        assert_eq!(picture.size(), (5, 3));
+        assert_eq!(
+            picture.pixels().nth(2 * 5 + 4),
+            Some([0.1f32, 4.0, 2.0]),
+            "floats keep all their bits"
+        );
+    }
+    for other in [Compression::B44, Compression::PXR24, Compression::PIZ] {
+        assert!(
+            encoded(other)
+                .unwrap_err()
+                .contains("uncompressed, RLE or ZIP")
+        );
+    }
 }
 
 #[test]
