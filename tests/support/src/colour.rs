@@ -77,7 +77,7 @@ fn relative_xyz(rgb: [f64; 3]) -> [f64; 3] {
 
 /// YCxCz, CIELAB without its cube root: the space in which FLIP's eye blurs.
 ///
-/// Y = 116 Y/Yn − 16,  Cx = 500 (X/Xn − Y/Yn),  Cz = 200 (Y/Yn − Z/Zn)     [andersson2020flip, section 4.1]
+/// Y = 116 Y/Yn − 16,  Cx = 500 (X/Xn − Y/Yn),  Cz = 200 (Y/Yn − Z/Zn)     [andersson2020flip, colour pipeline]
 pub(crate) fn ycxcz_from_linear(rgb: [f64; 3]) -> [f64; 3] {
     let [x, y, z] = relative_xyz(rgb);
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
@@ -110,7 +110,7 @@ fn lab_from_linear(rgb: [f64; 3]) -> [f64; 3] {
 
 /// L*a*b* with the Hunt effect: colours look more colourful where it is bright.
 ///
-/// a_h = 0.01 L* a*,  b_h = 0.01 L* b*     [andersson2020flip, section 4.1]
+/// a_h = 0.01 L* a*,  b_h = 0.01 L* b*     [andersson2020flip, colour pipeline]
 pub(crate) fn hunt_lab_from_linear(rgb: [f64; 3]) -> [f64; 3] {
     let [l, a, b] = lab_from_linear(rgb);
     [l, 0.01 * l * a, 0.01 * l * b]
