@@ -1,0 +1,158 @@
+//! A preset with its settings, ready to be asked and to be drawn.
+
+use glam::{DVec3, DVec4};
+use himmel_core::colour::rec709_from_xyz;
+use himmel_core::spectrum::Spectrum;
+
+use crate::colour::{fit_xyz_from_four, rec709_rows};
+use crate::columns::{self, Columns};
+use crate::irradiance::{Directions, sky_irradiance, table_elevation_rad};
+use crate::medium::{Class, Medium, Sampled};
+use crate::params::{AirParams, GroundParams};
+use crate::preset::Preset;
+use crate::single::{March, Ray, march};
+use crate::sun;
+
+/// Columns of the table of sky irradiance on the ground.
+pub const IRRADIANCE_WIDTH: usize = 64;
+
+/// An atmosphere at four wavelengths: the medium with its tables. Making one costs about 0.1 s; it does not depend on
+/// where the Sun is.
+pub struct Atmosphere {
+    medium: Medium,
+    wavelengths_nm: [f64; 4],
+    columns: Columns,
+    xyz_from_four: [DVec4; 3],
+    ground_sky_irradiance: Vec<[f64; 4]>,
+}
+
+impl Atmosphere {
+    /// Applies the settings to the preset and integrates the tables.
+    pub fn new(preset: &Preset, air: &AirParams, ground: &GroundParams) -> Self {
+        let wavelengths_nm = air.wavelengths_nm();
+        let mut medium = preset.medium.clone();
+        let columns = Columns::new(&medium);
+        // Fitted to the preset as it is: thinner or thicker air of the same kind keeps its matrix.
+        let xyz_from_four = fit_xyz_from_four(&medium, &columns, sun::irradiance_w_m2_nm(), &wavelengths_nm);
+        for component in &mut medium.components {
+            let factor = match component.class() {
+                Class::Molecules => air.molecules,
+                Class::Aerosols => air.aerosols,
+                Class::Absorbers => air.absorbers,
+            };
+            component.amount *= if air.enabled { factor } else { 0.0 };
+        }
+        if !ground.enabled {
+            medium.ground_albedo = Spectrum::Constant(0.0);
+        } else if let Some(albedo) = ground.albedo {
+            medium.ground_albedo = Spectrum::Constant(albedo);
+        }
+        let ground_sky_irradiance = {
+            let sampled = medium.sampled(&wavelengths_nm);
+            let at = |x: usize| {
+                let mu_s = table_elevation_rad(x as f64 / (IRRADIANCE_WIDTH - 1) as f64).sin();
+                sky_irradiance(&sampled, &columns, 0.0, mu_s, Directions::TABLE)
+            };
+            (0..IRRADIANCE_WIDTH).map(at).collect()
+        };
+        Self { medium, wavelengths_nm, columns, xyz_from_four, ground_sky_irradiance }
+    }
+
+    /// The medium with the settings applied.
+    pub fn medium(&self) -> &Medium {
+        &self.medium
+    }
+
+    /// The medium at the four wavelengths.
+    pub fn sampled(&self) -> Sampled<'_, 4> {
+        self.medium.sampled(&self.wavelengths_nm)
+    }
+
+    /// The four wavelengths, nm.
+    pub fn wavelengths_nm(&self) -> [f64; 4] {
+        self.wavelengths_nm
+    }
+
+    /// Irradiance of the sky on the ground over Sun elevation (see [`table_elevation_rad`]), per unit irradiance of
+    /// the Sun.
+    pub fn ground_sky_irradiance(&self) -> &[[f64; 4]] {
+        &self.ground_sky_irradiance
+    }
+
+    /// Rows R, G, B that turn radiance per unit irradiance of the Sun at 1 au (sr⁻¹) into linear Rec. 709 in cd m⁻².
+    pub fn rec709_from_four(&self) -> [DVec4; 3] {
+        rec709_rows(&self.xyz_from_four)
+    }
+
+    /// Photometric XYZ of four values per unit irradiance of the Sun at 1 au: cd m⁻² or lx.
+    pub fn xyz(&self, four: [f64; 4]) -> DVec3 {
+        let four = DVec4::from_array(four);
+        DVec3::from_array(self.xyz_from_four.map(|row| row.dot(four)))
+    }
+
+    /// Linear Rec. 709 of four values per unit irradiance of the Sun at 1 au: cd m⁻² or lx.
+    pub fn rec709(&self, four: [f64; 4]) -> DVec3 {
+        rec709_from_xyz() * self.xyz(four)
+    }
+
+    /// Optical depth to space at a node of the table, at the four wavelengths.
+    pub fn depth_at_node(&self, air: &Sampled<'_, 4>, x: usize, y: usize) -> [f64; 4] {
+        let mut depth = [0.0; 4];
+        for (index, component) in air.components.iter().enumerate() {
+            let column = self.columns.node_m(index, x, y);
+            for k in 0..4 {
+                depth[k] += column * component.extinction_per_m[k];
+            }
+        }
+        depth
+    }
+
+    /// Width and height of the optical-depth table.
+    pub fn depth_size(&self) -> (usize, usize) {
+        (columns::WIDTH, columns::HEIGHT)
+    }
+
+    /// Transmittance from an altitude to space. `mu`: cosine of the zenith angle; 0 below the horizon.
+    pub fn sun_transmittance(&self, altitude_m: f64, mu: f64) -> [f64; 4] {
+        crate::single::sun_transmittance(&self.sampled(), &self.columns, altitude_m, mu)
+    }
+
+    /// What a ray through the air sees: the f64 twin of the renderer's march.
+    pub fn march(&self, ray: &Ray, steps: usize) -> March<4> {
+        march(&self.sampled(), &self.columns, ray, steps)
+    }
+
+    /// Irradiance from the sky on a level surface at an altitude, per unit irradiance of the Sun.
+    pub fn sky_irradiance(&self, altitude_m: f64, mu_s: f64) -> [f64; 4] {
+        sky_irradiance(&self.sampled(), &self.columns, altitude_m, mu_s, Directions::FINE)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn without_air_the_sun_keeps_its_illuminance() {
+        let air = AirParams { enabled: false, ..AirParams::default() };
+        let preset = Preset::named("earth").unwrap();
+        let space = Atmosphere::new(&preset, &air, &GroundParams::default());
+        assert_eq!(space.sun_transmittance(0.0, 0.5), [1.0; 4]);
+        assert_eq!(space.sky_irradiance(0.0, 0.5), [0.0; 4]);
+        let lux = space.xyz([1.0; 4]).y;
+        assert!((lux / 1.33e5 - 1.0).abs() < 0.02, "{lux}");
+    }
+
+    #[test]
+    fn adding_nothing_changes_nothing() {
+        let preset = Preset::named("earth").unwrap();
+        let mut more = preset.clone();
+        let mut nothing = more.medium.components[1].clone();
+        nothing.amount = 0.0;
+        more.medium.components.push(nothing);
+        let (air, ground) = (AirParams::default(), GroundParams::default());
+        let ray = Ray { altitude_m: 0.0, mu: 0.3, mu_s: 0.4, nu: 0.2 };
+        let (a, b) = (Atmosphere::new(&preset, &air, &ground), Atmosphere::new(&more, &air, &ground));
+        assert_eq!(a.march(&ray, 32).radiance_per_sr, b.march(&ray, 32).radiance_per_sr);
+    }
+}

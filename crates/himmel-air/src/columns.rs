@@ -1,0 +1,138 @@
+//! Optical depth: how much air lies along a ray to space.
+
+use himmel_core::quadrature::gauss_legendre_unit;
+
+use crate::geometry::{altitude_along, depth_table_ray, depth_table_uv, horizon_cosine, top_distance};
+use crate::medium::{Medium, Sampled};
+
+/// Columns of each component along rays to space, tabulated by altitude and zenith angle.
+///
+/// A column is ∫ profile dt in metres: it knows no wavelength and no amount, so one table serves every spectrum and
+/// survives a change of concentrations. Logarithms are stored, because they are nearly linear in altitude.
+pub struct Columns {
+    bottom_radius_m: f64,
+    top_altitude_m: f64,
+    /// ln of the column in metres, `[component][y][x]`.
+    log_columns: Vec<Vec<f64>>,
+}
+
+/// Width of the table: directions (the distance to the top of the air).
+pub const WIDTH: usize = 128;
+/// Height of the table: altitudes.
+pub const HEIGHT: usize = 64;
+
+/// Columns below this many metres are nothing: keeps the logarithm finite.
+const FLOOR_M: f64 = 1e-12;
+
+/// The column of each component along a ray to space by quadrature, metres. `mu` must clear the horizon.
+///
+/// The distance is substituted by t = t_c + s|s| around the point nearest to the ground, which makes the integrand of
+/// an exponential atmosphere a Gaussian in s; Gauss–Legendre on either side.
+pub fn columns_by_quadrature(medium: &Medium, altitude_m: f64, mu: f64, nodes: usize) -> Vec<f64> {
+    let radius_m = medium.bottom_radius_m;
+    let length = top_distance(radius_m, medium.top_altitude_m, altitude_m, mu);
+    let nearest = (-(radius_m + altitude_m) * mu).clamp(0.0, length);
+    let mut sums = vec![0.0; medium.components.len()];
+    let rule = gauss_legendre_unit(nodes);
+    for (side, extent) in [(-1.0, nearest.sqrt()), (1.0, (length - nearest).sqrt())] {
+        for (x, w) in &rule {
+            let s = x * extent;
+            let h = altitude_along(radius_m, altitude_m, mu, nearest + side * s * s);
+            for (sum, component) in sums.iter_mut().zip(&medium.components) {
+                *sum += w * extent * 2.0 * s * component.profile.at(h);
+            }
+        }
+    }
+    sums
+}
+
+impl Columns {
+    /// Integrates the table: about 50 ms for five components.
+    pub fn new(medium: &Medium) -> Self {
+        let mut log_columns = vec![vec![0.0; WIDTH * HEIGHT]; medium.components.len()];
+        for y in 0..HEIGHT {
+            for x in 0..WIDTH {
+                let (u, v) = (x as f64 / (WIDTH - 1) as f64, y as f64 / (HEIGHT - 1) as f64);
+                let (altitude_m, mu) = depth_table_ray(medium.bottom_radius_m, medium.top_altitude_m, u, v);
+                let columns = columns_by_quadrature(medium, altitude_m, mu, 40);
+                for (table, column) in log_columns.iter_mut().zip(columns) {
+                    table[y * WIDTH + x] = column.max(FLOOR_M).ln();
+                }
+            }
+        }
+        Self { bottom_radius_m: medium.bottom_radius_m, top_altitude_m: medium.top_altitude_m, log_columns }
+    }
+
+    /// The column of one component at a node of the table, metres.
+    pub fn node_m(&self, component: usize, x: usize, y: usize) -> f64 {
+        self.log_columns[component][y * WIDTH + x].exp()
+    }
+
+    /// Optical depth to space. Directions below the horizon are taken as the horizon: the caller decides about shadow.
+    pub fn optical_depth<const N: usize>(&self, air: &Sampled<'_, N>, altitude_m: f64, mu: f64) -> [f64; N] {
+        let altitude_m = altitude_m.clamp(0.0, self.top_altitude_m);
+        let mu = mu.max(horizon_cosine(self.bottom_radius_m, altitude_m));
+        let (u, v) = depth_table_uv(self.bottom_radius_m, self.top_altitude_m, altitude_m, mu);
+        let (x, y) = (u * (WIDTH - 1) as f64, v * (HEIGHT - 1) as f64);
+        let (x0, y0) = ((x as usize).min(WIDTH - 2), (y as usize).min(HEIGHT - 2));
+        let (fx, fy) = (x - x0 as f64, y - y0 as f64);
+        let mut depth = [0.0; N];
+        for (table, component) in self.log_columns.iter().zip(&air.components) {
+            let row = |y: usize| table[y * WIDTH + x0] * (1.0 - fx) + table[y * WIDTH + x0 + 1] * fx;
+            let column = (row(y0) * (1.0 - fy) + row(y0 + 1) * fy).exp();
+            for i in 0..N {
+                depth[i] += column * component.extinction_per_m[i];
+            }
+        }
+        depth
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Preset;
+
+    /// Between nodes the table keeps 99 % of all transmittances within 0.002 of quadrature, for every preset. (Absolute,
+    /// because a transmittance of nothing stays nothing.) The worst, 0.0105, are rays that graze the upper kink of
+    /// `bruneton2017`'s tent of ozone at 40 km, where the logarithm of its column falls off a cliff.
+    #[test]
+    fn table_agrees_with_quadrature_between_nodes() {
+        for name in crate::preset::names() {
+            let preset = Preset::named(name).unwrap();
+            let medium = &preset.medium;
+            let air = medium.sampled(&[430.0, 550.0, 680.0]);
+            let columns = Columns::new(medium);
+            let mut errors = Vec::new();
+            for i in 0..40 {
+                for j in 0..60 {
+                    let (u, v) = ((f64::from(i) + 0.37) / 40.0, (f64::from(j) + 0.61) / 61.0);
+                    let (h, mu) = depth_table_ray(medium.bottom_radius_m, medium.top_altitude_m, u, v);
+                    let exact = columns_by_quadrature(medium, h, mu, 128);
+                    let table = columns.optical_depth(&air, h, mu);
+                    for k in 0..3 {
+                        let depth: f64 =
+                            exact.iter().zip(&air.components).map(|(column, c)| column * c.extinction_per_m[k]).sum();
+                        errors.push(((-table[k]).exp() - (-depth).exp()).abs());
+                    }
+                }
+            }
+            errors.sort_by(f64::total_cmp);
+            let (p99, worst) = (errors[errors.len() * 99 / 100], errors[errors.len() - 1]);
+            assert!(p99 < 2e-3 && worst < 1.5e-2, "{name}: {p99:e} {worst:e}");
+        }
+    }
+
+    /// Vertical depths of `bruneton2017` at 550 nm that `cli.md` states: 5.328e-3, 2.82135e-2, 0.108402.
+    #[test]
+    fn vertical_depths_of_the_comparison_atmosphere() {
+        let preset = Preset::named("bruneton2017").unwrap();
+        let air = preset.medium.sampled(&[550.0]);
+        let columns = columns_by_quadrature(&preset.medium, 0.0, 1.0, 200);
+        for (name, stated) in [("air", 0.108402), ("aerosol", 5.328e-3), ("ozone", 2.82135e-2)] {
+            let i = preset.medium.components.iter().position(|c| c.name == name).unwrap();
+            let depth = columns[i] * air.components[i].extinction_per_m[0];
+            assert!((depth / stated - 1.0).abs() < 2e-3, "{name}: {depth}");
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! What can go wrong on a GPU.
+
+/// Why the renderer cannot do what it was asked for.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GpuError {
+    /// No adapter answers, or none whose name contains what was asked for.
+    #[error("no GPU adapter {wanted}; {found}. On Debian, `apt-get install mesa-vulkan-drivers libvulkan1` brings a software one")]
+    NoAdapter {
+        /// What was looked for.
+        wanted: String,
+        /// What was found.
+        found: String,
+    },
+    /// The adapter refused a device, or the device was lost.
+    #[error("the GPU device failed: {0}")]
+    Device(String),
+    /// The render target cannot hold a sky.
+    #[error("the target does not fit: {0}")]
+    Target(String),
+    /// A view has no inverse, is not finite, or there are too many.
+    #[error("the view does not fit: {0}")]
+    View(String),
+    /// The picture's size is out of bounds.
+    #[error("the picture must be 1 to {max} pixels wide and high and hold at most {max_pixels} pixels, got {width}x{height}")]
+    Size {
+        /// Width asked for.
+        width: u32,
+        /// Height asked for.
+        height: u32,
+        /// Largest side.
+        max: u32,
+        /// Most pixels.
+        max_pixels: u64,
+    },
+    /// The caller asked to stop.
+    #[error("cancelled")]
+    Cancelled,
+}

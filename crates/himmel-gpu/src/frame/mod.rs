@@ -1,0 +1,85 @@
+//! What every pass knows: the uniforms of the frame and of a view.
+
+use crate::layout::gpu_struct;
+
+gpu_struct! {
+    /// One for each frame; the fields are explained in `frame.wgsl`.
+    pub struct FrameUniform {
+        /// Row R of colour from radiance.
+        pub rec709_from_four_r: [f32; 4],
+        /// Row G.
+        pub rec709_from_four_g: [f32; 4],
+        /// Row B.
+        pub rec709_from_four_b: [f32; 4],
+        /// Ground albedo at the four wavelengths.
+        pub ground_albedo: [f32; 4],
+        /// Limb-darkening exponents at the four wavelengths.
+        pub limb_darkening: [f32; 4],
+        /// Radius of the ground, m.
+        pub bottom_radius_m: f32,
+        /// Altitude of the top of the air, m.
+        pub top_altitude_m: f32,
+        /// Irradiance of the Sun relative to 1 au.
+        pub sun_irradiance: f32,
+        /// Factor on luminance; 0: automatic.
+        pub exposure: f32,
+        /// Samples along a ray.
+        pub steps: u32,
+        /// Index of the tone mapper.
+        pub tonemap: u32,
+        /// 1: display-encoded target, 2: sRGB target.
+        pub encoding: u32,
+        /// Steps of the target that dithering hides; 0: off.
+        pub dither_levels: f32,
+        /// Largest finite value of the target.
+        pub largest: f32,
+        /// Factor on automatic exposure.
+        pub compensation: f32,
+        /// Fills up.
+        pub padding: [f32; 2],
+    }
+}
+
+gpu_struct! {
+    /// One for each view; the fields are explained in `frame.wgsl`.
+    pub struct ViewUniform {
+        /// Ray through the middle of the picture.
+        pub ray_origin: [f32; 3],
+        /// 0 linear, 1 fisheye, 2 equirectangular.
+        pub projection: u32,
+        /// Change of the ray with ndc.x.
+        pub ray_x: [f32; 3],
+        /// Half angle of the fisheye, rad.
+        pub half_angle: f32,
+        /// Change of the ray with ndc.y.
+        pub ray_y: [f32; 3],
+        /// Width over height.
+        pub aspect: f32,
+        /// Zenith in view space.
+        pub up: [f32; 3],
+        /// Altitude of the camera, m.
+        pub altitude_m: f32,
+        /// Refracted direction of the Sun's disc in view space.
+        pub sun_disc: [f32; 3],
+        /// Apparent radius of the disc, rad.
+        pub sun_radius: f32,
+        /// Direction of the Sun without refraction in view space.
+        pub sun: [f32; 3],
+        /// Whether the disc is drawn.
+        pub sun_disc_visible: u32,
+        /// Camera-relative east for equirectangular pictures.
+        pub east: [f32; 3],
+        /// Fills up.
+        pub padding_0: f32,
+        /// The camera's azimuth on the horizon.
+        pub north: [f32; 3],
+        /// Fills up.
+        pub padding_1: f32,
+        /// Part of the picture that is drawn.
+        pub tile: [f32; 4],
+        /// First pixel of that part.
+        pub pixel: [f32; 2],
+        /// Fills up.
+        pub padding_2: [f32; 2],
+    }
+}

@@ -1,0 +1,123 @@
+//! A device without a window, for hosts that bring none: the command line, tests, batch jobs.
+
+use std::sync::{Arc, OnceLock};
+
+use crate::error::GpuError;
+
+/// An adapter with its device and queue.
+#[derive(Clone, Debug)]
+pub struct Gpu {
+    /// The adapter.
+    pub adapter: wgpu::Adapter,
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    lost: Arc<OnceLock<String>>,
+}
+
+/// What an adapter is, for people and logs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct AdapterReport {
+    /// Name of the GPU or rasteriser.
+    pub name: String,
+    /// Vulkan, Metal, Dx12, Gl or BrowserWebGpu.
+    pub back_end: String,
+    /// DiscreteGpu, IntegratedGpu, VirtualGpu, Cpu or Other.
+    pub kind: String,
+    /// Driver and its version.
+    pub driver: String,
+}
+
+impl AdapterReport {
+    fn of(info: &wgpu::AdapterInfo) -> Self {
+        Self {
+            name: info.name.clone(),
+            back_end: format!("{:?}", info.backend),
+            kind: format!("{:?}", info.device_type),
+            driver: format!("{} {}", info.driver, info.driver_info).trim().to_string(),
+        }
+    }
+
+    /// Whether it runs on the CPU.
+    pub fn is_software(&self) -> bool {
+        self.kind == "Cpu"
+    }
+}
+
+impl std::fmt::Display for AdapterReport {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} ({}, {}, {})", self.name, self.back_end, self.kind, self.driver)
+    }
+}
+
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+}
+
+impl Gpu {
+    /// Opens the fastest adapter, or the first whose name contains `wanted` (any case): `llvmpipe`, `nvidia`.
+    ///
+    /// Asks for no feature that WebGPU does not guarantee; takes time stamps where they are offered.
+    pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
+        let instance = instance();
+        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        let names: Vec<String> = adapters.iter().map(|adapter| AdapterReport::of(&adapter.get_info()).to_string()).collect();
+        let rank = |adapter: &wgpu::Adapter| {
+            let info = adapter.get_info();
+            let kind = match info.device_type {
+                wgpu::DeviceType::DiscreteGpu => 0,
+                wgpu::DeviceType::IntegratedGpu => 1,
+                wgpu::DeviceType::VirtualGpu => 2,
+                wgpu::DeviceType::Cpu => 3,
+                wgpu::DeviceType::Other => 4,
+            };
+            (kind, info.backend == wgpu::Backend::Gl)
+        };
+        let fits = |adapter: &wgpu::Adapter| {
+            wanted.is_none_or(|wanted| adapter.get_info().name.to_lowercase().contains(&wanted.to_lowercase()))
+        };
+        let Some(adapter) = adapters.into_iter().filter(fits).min_by_key(rank) else {
+            return Err(GpuError::NoAdapter {
+                wanted: wanted.map_or_else(|| "answers".into(), |name| format!("named like \"{name}\" answers")),
+                found: if names.is_empty() { "none was found".into() } else { format!("found {}", names.join("; ")) },
+            });
+        };
+        let device = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("himmel"),
+            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_limits: wgpu::Limits::downlevel_defaults().using_resolution(adapter.limits()),
+            ..Default::default()
+        }));
+        let (device, queue) = device.map_err(|error| GpuError::Device(error.to_string()))?;
+        let lost = Arc::new(OnceLock::new());
+        let remember = Arc::clone(&lost);
+        device.set_device_lost_callback(move |reason, message| {
+            // The first reason is the one that counts.
+            let _ = remember.set(format!("{reason:?}: {message}"));
+        });
+        Ok(Self { adapter, device, queue, lost })
+    }
+
+    /// What it runs on.
+    pub fn report(&self) -> AdapterReport {
+        AdapterReport::of(&self.adapter.get_info())
+    }
+
+    /// Every adapter of this machine.
+    pub fn adapters() -> Vec<AdapterReport> {
+        pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()))
+            .iter()
+            .map(|adapter| AdapterReport::of(&adapter.get_info()))
+            .collect()
+    }
+
+    /// Waits for all submitted work; an error if the device was lost meanwhile.
+    pub fn wait(&self) -> Result<(), GpuError> {
+        self.device.poll(wgpu::PollType::wait_indefinitely()).map_err(|error| GpuError::Device(error.to_string()))?;
+        match self.lost.get() {
+            Some(reason) => Err(GpuError::Device(reason.clone())),
+            None => Ok(()),
+        }
+    }
+}

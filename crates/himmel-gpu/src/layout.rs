@@ -1,0 +1,43 @@
+//! Structs that Rust and WGSL share.
+
+/// Declares a `#[repr(C)]` struct that is uploaded as it is, and remembers its fields' offsets, so that a test can
+/// compare them with those that naga finds in the WGSL struct of the same name.
+macro_rules! gpu_struct {
+    (
+        $(#[doc = $struct_doc:literal])+
+        pub struct $Struct:ident {
+            $( $(#[doc = $doc:literal])+ pub $name:ident : $ty:ty, )+
+        }
+    ) => {
+        $(#[doc = $struct_doc])+
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+        pub struct $Struct {
+            $( $(#[doc = $doc])+ pub $name: $ty, )+
+        }
+
+        impl $Struct {
+            /// Its layout, for the test that compares it with WGSL.
+            pub const LAYOUT: $crate::layout::Layout = $crate::layout::Layout {
+                name: stringify!($Struct),
+                size: std::mem::size_of::<$Struct>(),
+                fields: &[$( (stringify!($name), std::mem::offset_of!($Struct, $name)) ),+],
+            };
+        }
+    };
+}
+pub(crate) use gpu_struct;
+
+/// Name, size and field offsets of a shared struct, in bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Layout {
+    /// The same in Rust and WGSL.
+    pub name: &'static str,
+    /// Size in bytes.
+    pub size: usize,
+    /// Field names and offsets.
+    pub fields: &'static [(&'static str, usize)],
+}
+
+/// Every struct that Rust and WGSL share.
+pub const SHARED: &[Layout] = &[crate::frame::FrameUniform::LAYOUT, crate::frame::ViewUniform::LAYOUT];

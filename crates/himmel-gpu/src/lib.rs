@@ -1,0 +1,28 @@
+//! The sky on the GPU: draws into *your* render pass, behind *your* geometry.
+//!
+//! [`SkyRenderer`] is made once for a [`Target`]; each frame [`SkyRenderer::prepare`] uploads one small uniform for the
+//! frame and one for each [`View`], and [`SkyRenderer::draw`] draws a view at infinite depth. [`Gpu`] finds an adapter
+//! where the host brings none, and [`Still`] renders pictures of any size in tiles. Most users want the crate `himmel`,
+//! which joins this with place and time.
+
+mod error;
+pub mod frame;
+mod gpu;
+pub mod layout;
+pub mod output;
+pub mod phenomena;
+mod renderer;
+pub mod shader;
+mod still;
+mod target;
+mod timing;
+mod view;
+
+pub use error::GpuError;
+pub use gpu::{AdapterReport, Gpu};
+pub use output::params::{Exposure, OutputParams, Tonemap};
+pub use renderer::{FrameState, SkyRenderer, SunState};
+pub use still::{Picture, Pixels, Still};
+pub use target::{DepthDirection, Output, Target};
+pub use timing::PassTimes;
+pub use view::{Projection, View};

@@ -1,0 +1,84 @@
+//! Shader modules: plain WGSL files, joined by `//#include "path"` lines, each file once.
+//!
+//! WGSL needs no order of declarations, so an include is a concatenation. The text that runs is the text in the files:
+//! errors point to real lines, and an editor can replace one file and link again.
+
+/// Every WGSL file by the path that `#include` uses.
+pub const FILES: &[(&str, &str)] = &[
+    ("frame/frame.wgsl", include_str!("frame/frame.wgsl")),
+    ("frame/sphere.wgsl", include_str!("frame/sphere.wgsl")),
+    ("output/dither.wgsl", include_str!("output/dither.wgsl")),
+    ("output/meter.wgsl", include_str!("output/meter.wgsl")),
+    ("output/tonemap.wgsl", include_str!("output/tonemap.wgsl")),
+    ("phenomena/air/air.wgsl", include_str!("phenomena/air/air.wgsl")),
+    ("phenomena/air/tables.wgsl", include_str!("phenomena/air/tables.wgsl")),
+    ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
+    ("phenomena/sun/sun.wgsl", include_str!("phenomena/sun/sun.wgsl")),
+    ("sky.wgsl", include_str!("sky.wgsl")),
+];
+
+/// The files that are entry points of pipelines.
+pub const ROOTS: &[&str] = &["sky.wgsl", "output/meter.wgsl"];
+
+/// Why shader files could not be joined.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{from} includes \"{path}\", which does not exist")]
+pub struct IncludeError {
+    /// The file with the line.
+    pub from: String,
+    /// What it asks for.
+    pub path: String,
+}
+
+/// Joins a file with everything it includes. `read` gives the text of a path.
+pub fn link<'a>(root: &str, read: impl Fn(&str) -> Option<&'a str>) -> Result<String, IncludeError> {
+    let mut order: Vec<(String, &'a str)> = Vec::new();
+    let mut waiting = vec![(String::from("the renderer"), root.to_string())];
+    while let Some((from, path)) = waiting.pop() {
+        if order.iter().any(|(seen, _)| *seen == path) {
+            continue;
+        }
+        let Some(text) = read(&path) else { return Err(IncludeError { from, path }) };
+        let includes = text.lines().filter_map(|line| line.trim().strip_prefix("//#include \"")?.strip_suffix('"'));
+        waiting.extend(includes.map(|include| (path.clone(), include.to_string())));
+        order.push((path, text));
+    }
+    Ok(order.into_iter().map(|(path, text)| format!("// ---- {path}\n{text}\n")).collect())
+}
+
+/// The text of a file that is compiled in.
+pub fn embedded(path: &str) -> Option<&'static str> {
+    FILES.iter().find(|(name, _)| *name == path).map(|(_, text)| *text)
+}
+
+/// One of [`ROOTS`] with all its includes.
+pub fn module(root: &str) -> String {
+    link(root, embedded).unwrap_or_else(|error| unreachable!("{error}; the test `every_root_links` walks them all"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_root_links() {
+        for root in ROOTS {
+            let text = link(root, embedded).unwrap();
+            assert_eq!(text.matches(&format!("// ---- {root}")).count(), 1);
+        }
+        assert_eq!(module("sky.wgsl").matches("struct FrameUniform").count(), 1);
+    }
+
+    #[test]
+    fn a_missing_include_names_both_files() {
+        let read = |path: &str| (path == "a.wgsl").then_some("//#include \"b.wgsl\"\n");
+        let error = link("a.wgsl", read).unwrap_err().to_string();
+        assert_eq!(error, "a.wgsl includes \"b.wgsl\", which does not exist");
+    }
+
+    #[test]
+    fn circles_end() {
+        let read = |path: &str| Some(if path == "a" { "//#include \"b\"" } else { "//#include \"a\"" });
+        assert_eq!(link("a", read).unwrap().matches("----").count(), 2);
+    }
+}

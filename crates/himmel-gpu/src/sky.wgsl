@@ -1,0 +1,100 @@
+// The whole sky in one pass at infinite depth: air with Sun before the ground. More phenomena join here, in the order
+// star map, stars, planets, Moon, air with Sun, clouds.
+
+//#include "phenomena/air/air.wgsl"
+//#include "phenomena/ground/ground.wgsl"
+//#include "phenomena/sun/sun.wgsl"
+//#include "output/tonemap.wgsl"
+//#include "output/dither.wgsl"
+
+// Depth at infinity: 0 where depth is reversed, else 1.
+override far_depth: f32 = 1.0;
+// 0: linear Rec. 709 times exposure; 1: tone mapped and display-encoded.
+override finished: u32 = 0u;
+// The metering picture is not exposed, whatever the frame says.
+override metering: bool = false;
+
+struct SkyVertex {
+    @builtin(position) position: vec4f,
+    @location(0) ndc: vec2f,
+}
+
+@vertex
+fn sky_vertex(@builtin(vertex_index) index: u32) -> SkyVertex {
+    let ndc = vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
+    return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc);
+}
+
+// The look direction of a point of the picture in view space; zero outside the picture (fisheye).
+fn look_direction(ndc: vec2f) -> vec3f {
+    switch view.projection {
+        case 1u: {
+            // Fisheye: the angle from the axis grows evenly with the distance from the centre.
+            let p = ndc * vec2f(view.aspect, 1.0);
+            let angle = length(p) * view.half_angle;
+            if angle > PI {
+                return vec3f(0.0);
+            }
+            let direction = p / max(length(p), 1e-9);
+            return vec3f(direction * sin(angle), -cos(angle));
+        }
+        case 2u: {
+            // Equirectangular: the middle column looks along the camera's azimuth, the middle row at the horizon.
+            let azimuth = ndc.x * PI;
+            let altitude = ndc.y * 0.5 * PI;
+            return cos(altitude) * (cos(azimuth) * view.north + sin(azimuth) * view.east) + sin(altitude) * view.up;
+        }
+        default: {
+            return normalize(view.ray_origin + view.ray_x * ndc.x + view.ray_y * ndc.y);
+        }
+    }
+}
+
+// Linear Rec. 709 in cd/m².
+fn sky_luminance(ray: vec3f, pixel: f32) -> vec3f {
+    let mu = dot(ray, view.up);
+    let start = enter(view.altitude_m, mu, length(cross(ray, view.up)), dot(view.sun, view.up), dot(ray, view.sun));
+    let air = march_air(start, frame.steps);
+    var behind = vec4f(0.0);
+    if air.hits_ground {
+        behind = ground_radiance(air.ground_mu_s);
+    } else {
+        behind = sun_disc_radiance(ray, pixel);
+    }
+    let four = (air.radiance + air.transmittance * behind) * frame.sun_irradiance;
+    return vec3f(
+        dot(frame.rec709_from_four_r, four),
+        dot(frame.rec709_from_four_g, four),
+        dot(frame.rec709_from_four_b, four),
+    );
+}
+
+@fragment
+fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
+    let look = look_direction(in.ndc);
+    // Angle of a pixel; derivatives are taken before anything branches.
+    let pixel = 0.5 * (length(dpdx(look)) + length(dpdy(look)));
+    if dot(look, look) < 0.5 {
+        // Nothing: the corners of a fisheye.
+        return vec4f(0.0);
+    }
+    // At the seam of an equirectangular picture the difference is the whole circle: no pixel is larger than 0.2.
+    var luminance = sky_luminance(look, min(pixel, 0.2));
+    var exposure = frame.exposure;
+    if metering {
+        exposure = 1.0;
+    } else if exposure == 0.0 {
+        exposure = textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
+    }
+    luminance *= exposure;
+    if finished == 0u {
+        return vec4f(clamp(luminance, vec3f(-frame.largest), vec3f(frame.largest)), 1.0);
+    }
+    // 1e30 keeps the tone mappers finite; negative values are colours outside Rec. 709.
+    var encoded = tonemap(frame.tonemap, clamp(luminance, vec3f(0.0), vec3f(1e30)));
+    if frame.dither_levels > 0.0 {
+        encoded += triangular_noise(vec2u(in.position.xy + view.pixel)) / frame.dither_levels;
+    }
+    encoded = clamp(encoded, vec3f(0.0), vec3f(1.0));
+    return vec4f(select(encoded, srgb_decode(encoded), frame.encoding == 2u), 1.0);
+}

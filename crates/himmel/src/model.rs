@@ -1,0 +1,357 @@
+//! Everything about a sky but its GPU: where the Sun is, what its light amounts to, what a frame needs.
+
+use glam::DVec3;
+use himmel_air::{Atmosphere, Preset};
+use himmel_astro::{AirAtObserver, Body, Ephemeris, Fast, Instant, Place, Precise, observe};
+use himmel_core::constants::{ASTRONOMICAL_UNIT_M, SUN_RADIUS_M};
+use himmel_gpu::{FrameState, Projection, SunState, View};
+use jiff::Timestamp;
+
+use crate::clock::{Clock, parse_time};
+use crate::error::{Error, Result};
+use crate::light::{Light, SunLight};
+use crate::observer::Observer;
+use crate::scene::{ProjectionKind, Scene};
+
+/// Eyes above the ground, m.
+const EYE_HEIGHT_M: f64 = 2.0;
+
+/// A sky that can be asked for numbers, without a GPU.
+///
+/// ```
+/// let mut scene = himmel::Scene::default();
+/// scene.set("observer.place", "Potsdam")?;
+/// scene.set("clock.time", "2012-09-06T16:00Z")?;
+/// let model = himmel::SkyModel::new(&scene)?;
+/// let light = model.light()?;
+/// assert!((light.sun.altitude_deg - 14.6).abs() < 0.2);
+/// assert!(light.horizontal_illuminance_lx() > 10_000.0);
+/// # Ok::<(), himmel::Error>(())
+/// ```
+pub struct SkyModel {
+    scene: Scene,
+    preset: Preset,
+    atmosphere: Atmosphere,
+    observer: Observer,
+    clock: Clock,
+    ephemeris: Box<dyn Ephemeris + Send + Sync>,
+}
+
+/// The Sun's place for an observer.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SunPlace {
+    /// From north through east, 0..360.
+    pub azimuth_deg: f64,
+    /// Above the horizon, as refraction shows it.
+    pub altitude_deg: f64,
+    /// Above the horizon, without air.
+    pub airless_altitude_deg: f64,
+    /// From the observer.
+    pub distance_au: f64,
+    /// Apparent radius of its disc.
+    pub radius_deg: f64,
+}
+
+impl SkyModel {
+    /// Reads place, time and preset of a scene and integrates the air's tables (about 0.1 s).
+    pub fn new(scene: &Scene) -> Result<Self> {
+        let preset = scene.load_preset()?;
+        let observer = Observer::at(&scene.observer.place)?;
+        let mut clock = Clock::from_timestamp(parse_time(&scene.clock.time, &observer.time_zone)?);
+        clock.set_rate(scene.clock.rate);
+        if scene.clock.paused {
+            clock.pause();
+        }
+        let atmosphere = Atmosphere::new(&preset, &scene.air, &scene.ground);
+        let ephemeris: Box<dyn Ephemeris + Send + Sync> = match Precise::embedded() {
+            Ok(precise) => Box::new(precise),
+            Err(error) => {
+                tracing::warn!(%error, "the ephemeris pack cannot be read; the fast series take over");
+                Box::new(Fast)
+            }
+        };
+        Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris })
+    }
+
+    /// The settings.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The atmosphere with its tables.
+    pub fn atmosphere(&self) -> &Atmosphere {
+        &self.atmosphere
+    }
+
+    /// The preset that the scene names.
+    pub fn preset(&self) -> &Preset {
+        &self.preset
+    }
+
+    /// Where one stands.
+    pub fn observer(&self) -> &Observer {
+        &self.observer
+    }
+
+    /// Stands elsewhere.
+    pub fn set_observer(&mut self, observer: Observer) {
+        self.observer = observer;
+    }
+
+    /// The clock.
+    pub fn clock(&self) -> &Clock {
+        &self.clock
+    }
+
+    /// The clock, to run, stop or set it.
+    pub fn clock_mut(&mut self) -> &mut Clock {
+        &mut self.clock
+    }
+
+    /// Sets the clock: ISO 8601; bare times are local to the observer.
+    pub fn set_time(&mut self, text: &str) -> Result<()> {
+        let now = parse_time(text, &self.observer.time_zone)?;
+        self.clock.set(now);
+        Ok(())
+    }
+
+    /// Changes settings; true if the air's tables had to be integrated anew.
+    pub fn set_scene(&mut self, scene: &Scene) -> Result<bool> {
+        let old = std::mem::replace(&mut self.scene, scene.clone());
+        let result = self.follow(&old);
+        if result.is_err() {
+            self.scene = old;
+        }
+        result
+    }
+
+    fn follow(&mut self, old: &Scene) -> Result<bool> {
+        let (observer_changed, clock_changed) = (self.scene.observer != old.observer, self.scene.clock != old.clock);
+        // Everything that can fail comes before anything that changes.
+        let observer = if observer_changed { Observer::at(&self.scene.observer.place)? } else { self.observer.clone() };
+        let time_changed = self.scene.clock.time != old.clock.time;
+        let now = if time_changed { Some(parse_time(&self.scene.clock.time, &observer.time_zone)?) } else { None };
+        let preset_changed = (&self.scene.preset, &self.scene.folder) != (&old.preset, &old.folder);
+        let preset = if preset_changed { Some(self.scene.load_preset()?) } else { None };
+        self.observer = observer;
+        if let Some(now) = now {
+            self.clock.set(now);
+        }
+        if clock_changed {
+            self.clock.set_rate(self.scene.clock.rate);
+            if self.scene.clock.paused { self.clock.pause() } else { self.clock.resume() }
+        }
+        let air_changed = self.scene.air != old.air || self.scene.ground != old.ground;
+        if let Some(preset) = preset {
+            self.preset = preset;
+        }
+        if air_changed || preset_changed {
+            self.atmosphere = Atmosphere::new(&self.preset, &self.scene.air, &self.scene.ground);
+        }
+        Ok(air_changed || preset_changed)
+    }
+
+    /// Height of the camera above the ground sphere, m.
+    pub fn altitude_m(&self) -> f64 {
+        self.scene.observer.altitude_m.unwrap_or(self.observer.height_m.max(0.0) + EYE_HEIGHT_M)
+    }
+
+    /// Where the Sun is.
+    pub fn sun(&self) -> Result<SunPlace> {
+        let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
+        let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
+        let seen = observe(self.ephemeris.as_ref(), Body::Sun, &instant, &place)?;
+        let settings = &self.scene.sun;
+        let azimuth_deg = settings.azimuth_deg.unwrap_or(seen.azimuth_rad.to_degrees()).rem_euclid(360.0);
+        let airless_altitude_deg = settings.altitude_deg.unwrap_or(seen.altitude_rad.to_degrees());
+        let bend = if self.preset.refraction && self.scene.air.enabled {
+            AirAtObserver::at_height(self.altitude_m()).refraction_rad(airless_altitude_deg.to_radians())
+        } else {
+            0.0
+        };
+        let distance_au =
+            settings.distance_au.or(self.preset.sun_distance_au).unwrap_or(seen.distance_m / ASTRONOMICAL_UNIT_M);
+        let sine = SUN_RADIUS_M / (distance_au * ASTRONOMICAL_UNIT_M);
+        Ok(SunPlace {
+            azimuth_deg,
+            altitude_deg: airless_altitude_deg + bend.to_degrees(),
+            airless_altitude_deg,
+            distance_au,
+            radius_deg: sine.min(1.0).asin().to_degrees(),
+        })
+    }
+
+    /// Direction and illuminance of the Sun, and the sky's, at the observer: the f64 twin of what is drawn.
+    pub fn light(&self) -> Result<Light> {
+        let sun = self.sun()?;
+        let irradiance = self.scene.sun.brightness / (sun.distance_au * sun.distance_au);
+        let altitude_m = self.altitude_m();
+        let visible = visible_fraction(sun.altitude_deg - self.horizon_deg(), sun.radius_deg);
+        let lowest_mu = himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, altitude_m);
+        // A disc that touches the horizon shines from its visible part, just above it.
+        let mu = sun.altitude_deg.to_radians().sin().max(lowest_mu + 1e-9);
+        let through = self.atmosphere.sun_transmittance(altitude_m.min(self.atmosphere.medium().top_altitude_m), mu);
+        let beam = through.map(|t| t * visible * irradiance);
+        let xyz = self.atmosphere.xyz(beam);
+        let rec709 = self.atmosphere.rec709(beam);
+        let mu_airless = sun.airless_altitude_deg.to_radians().sin();
+        let sky = if altitude_m < self.atmosphere.medium().top_altitude_m {
+            self.atmosphere.sky_irradiance(altitude_m, mu_airless).map(|e| e * irradiance)
+        } else {
+            [0.0; 4]
+        };
+        let largest = rec709.max_element();
+        Ok(Light {
+            sun: SunLight {
+                direction_enu: direction_enu(sun.azimuth_deg, sun.altitude_deg),
+                azimuth_deg: sun.azimuth_deg,
+                altitude_deg: sun.altitude_deg,
+                colour: if largest > 0.0 { (rec709 / largest).max(DVec3::ZERO).to_array() } else { [0.0; 3] },
+                illuminance_lx: xyz.y.max(0.0),
+            },
+            sky_illuminance_lx: self.atmosphere.xyz(sky).y.max(0.0),
+        })
+    }
+
+    /// Altitude of the geometric horizon, degrees (zero or negative).
+    fn horizon_deg(&self) -> f64 {
+        himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, self.altitude_m()).asin().to_degrees()
+    }
+
+    /// What the renderer needs for a frame.
+    pub fn frame(&self) -> Result<FrameState> {
+        let sun = self.sun()?;
+        let settings = &self.scene.sun;
+        Ok(FrameState {
+            sun: SunState {
+                direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
+                disc_direction: direction_enu(sun.azimuth_deg, sun.altitude_deg),
+                radius_rad: (sun.radius_deg * settings.radius_scale).to_radians(),
+                irradiance: settings.brightness / (sun.distance_au * sun.distance_au),
+                disc: settings.disc,
+                limb_darkening: settings.limb_darkening,
+            },
+            altitude_m: self.altitude_m(),
+            output: self.scene.output.clone(),
+            steps: self.scene.air.steps,
+        })
+    }
+
+    /// Azimuth and altitude that `camera.look` means, degrees.
+    pub fn look_deg(&self) -> Result<(f64, f64)> {
+        look(&self.scene.camera.look, self.scene.camera.fov_deg, &self.sun()?)
+    }
+
+    /// The scene's camera as a view.
+    pub fn view(&self) -> Result<View> {
+        let camera = &self.scene.camera;
+        let (azimuth_deg, altitude_deg) = self.look_deg()?;
+        let (azimuth, altitude, fov) = (azimuth_deg.to_radians(), altitude_deg.to_radians(), camera.fov_deg.to_radians());
+        let aspect = f64::from(self.scene.output.width_px) / f64::from(self.scene.output.height_px);
+        match camera.projection {
+            ProjectionKind::Perspective if camera.fov_deg >= 179.5 => Err(Error::Camera(format!(
+                "a perspective camera sees less than 179.5°, got {}°; use --projection fisheye",
+                camera.fov_deg
+            ))),
+            ProjectionKind::Perspective => Ok(View::looking(azimuth, altitude, fov, aspect)),
+            ProjectionKind::Fisheye => Ok(View::with_projection(azimuth, altitude, Projection::Fisheye(fov), aspect)),
+            ProjectionKind::Equirect => Ok(View::with_projection(azimuth, 0.0, Projection::Equirectangular, aspect)),
+        }
+    }
+
+    /// The instant as the place's clock shows it.
+    pub fn local_time(&self) -> String {
+        self.clock.now().to_zoned(self.observer.time_zone.clone()).strftime("%Y-%m-%d %H:%M:%S %Z").to_string()
+    }
+
+    /// The instant.
+    pub fn utc(&self) -> Timestamp {
+        self.clock.now()
+    }
+}
+
+/// Unit vector east-north-up from azimuth and altitude in degrees.
+pub fn direction_enu(azimuth_deg: f64, altitude_deg: f64) -> DVec3 {
+    let (sin_a, cos_a) = azimuth_deg.to_radians().sin_cos();
+    let (sin_h, cos_h) = altitude_deg.to_radians().sin_cos();
+    DVec3::new(sin_a * cos_h, cos_a * cos_h, sin_h)
+}
+
+/// The share of a disc that stands above a straight horizon; angles in degrees, from the horizon to the disc's centre.
+///
+/// Laws tested: 0 below, ½ on it, 1 above; rises.
+pub fn visible_fraction(height_deg: f64, radius_deg: f64) -> f64 {
+    if radius_deg <= 0.0 {
+        return if height_deg >= 0.0 { 1.0 } else { 0.0 };
+    }
+    let x = (height_deg / radius_deg).clamp(-1.0, 1.0);
+    // Area of a circular segment over that of the circle.
+    0.5 + (x * (1.0 - x * x).sqrt() + x.asin()) / std::f64::consts::PI
+}
+
+/// Azimuth and altitude in degrees of what a person wants to look at.
+fn look(text: &str, fov_deg: f64, sun: &SunPlace) -> Result<(f64, f64)> {
+    let unknown = || Error::Look(himmel_core::params::shorten(text));
+    match text.trim() {
+        "sun" => return Ok((sun.azimuth_deg, sun.altitude_deg)),
+        // The horizon at the lower third of the picture.
+        "sunward" => return Ok((sun.azimuth_deg, (fov_deg / 6.0).min(60.0))),
+        "zenith" => return Ok((0.0, 90.0)),
+        "nadir" => return Ok((0.0, -90.0)),
+        _ => {}
+    }
+    let mut parts = text.split(',').map(str::trim);
+    let first = parts.next().unwrap_or("");
+    let second = parts.next();
+    if parts.next().is_some() {
+        return Err(unknown());
+    }
+    const POINTS: [&str; 16] =
+        ["n", "nne", "ne", "ene", "e", "ese", "se", "sse", "s", "ssw", "sw", "wsw", "w", "wnw", "nw", "nnw"];
+    let point = POINTS.iter().position(|point| point.eq_ignore_ascii_case(first)).map(|i| i as f64 * 22.5);
+    let number = |text: &str| text.parse::<f64>().ok().filter(|value| value.is_finite());
+    let azimuth_deg = match (point, second) {
+        (Some(azimuth_deg), _) => azimuth_deg,
+        (None, Some(_)) => number(first).filter(|a| a.abs() <= 720.0).ok_or_else(unknown)?,
+        (None, None) => return Err(unknown()),
+    };
+    let altitude_deg = match second {
+        Some(text) => number(text).filter(|h| h.abs() <= 90.0).ok_or_else(unknown)?,
+        None => (fov_deg / 6.0).min(60.0),
+    };
+    Ok((azimuth_deg.rem_euclid(360.0), altitude_deg))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SUN: SunPlace =
+        SunPlace { azimuth_deg: 250.0, altitude_deg: 10.0, airless_altitude_deg: 9.9, distance_au: 1.0, radius_deg: 0.27 };
+
+    #[test]
+    fn looks_are_understood() {
+        for (text, expected) in [
+            ("sun", (250.0, 10.0)),
+            ("sunward", (250.0, 10.0)),
+            ("180,35", (180.0, 35.0)),
+            ("-90, -10.5", (270.0, -10.5)),
+            ("NW", (315.0, 10.0)),
+            ("sse,20", (157.5, 20.0)),
+            ("zenith", (0.0, 90.0)),
+        ] {
+            assert_eq!(look(text, 60.0, &SUN).unwrap(), expected, "{text}");
+        }
+        for text in ["", "180", "180,91", "nan,3", "1,2,3", "the moon", "1e30,0"] {
+            assert!(look(text, 60.0, &SUN).unwrap_err().to_string().contains("sunward"), "{text}");
+        }
+    }
+
+    #[test]
+    fn a_setting_sun_fades() {
+        assert_eq!(visible_fraction(0.3, 0.27), 1.0);
+        assert_eq!(visible_fraction(-0.3, 0.27), 0.0);
+        assert!((visible_fraction(0.0, 0.27) - 0.5).abs() < 1e-15);
+        assert!(visible_fraction(0.1, 0.27) > visible_fraction(0.05, 0.27));
+    }
+}

@@ -1,0 +1,362 @@
+//! A scene: everything that decides a picture, as a versioned TOML file. `docs/scene.md` is its schema.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use himmel_air::{AirParams, GroundParams, Preset, SunParams};
+use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten};
+use himmel_core::{choices, params};
+use himmel_gpu::OutputParams;
+use toml::de::{DeTable, DeValue};
+
+use crate::error::{Error, Result};
+
+/// The version that this library writes. Older ones are read; so far there is none.
+pub const VERSION: i64 = 1;
+
+params! {
+    /// Where you stand.
+    pub struct ObserverParams: "observer" {
+        /// A city or site, or lat,lon[,height_m] in degrees and metres.
+        place: String = "Potsdam".to_string();
+        /// Height of the camera above the sea; unset: the place's height and 2 m for your eyes.
+        altitude_m: Option<f64> = None, "m", 0.0..=1e9;
+    }
+}
+
+params! {
+    /// When it is.
+    pub struct ClockParams: "clock" {
+        /// ISO 8601 with Z or an offset, bare and local to the place, or now.
+        time: String = "now".to_string();
+        /// Virtual seconds for each real second; negative runs backwards.
+        rate: f64 = 1.0, "s/s", -1e9..=1e9;
+        /// Whether the clock stands still.
+        paused: bool = false;
+    }
+}
+
+choices! {
+    /// How directions become pixels.
+    pub enum ProjectionKind {
+        /// Straight lines stay straight.
+        Perspective = "perspective",
+        /// Equidistant all-sky lens.
+        Fisheye = "fisheye",
+        /// The whole sphere, for environment maps.
+        Equirect = "equirect",
+    }
+}
+
+params! {
+    /// The camera.
+    pub struct CameraParams: "camera" {
+        /// AZIMUTH,ALTITUDE in degrees, sun, sunward (the Sun's azimuth, horizon in the lower third), zenith, nadir, or a compass point such as NW or NW,20.
+        look: String = "sunward".to_string();
+        /// Vertical field of view; perspective below 180, fisheye up to 360.
+        fov_deg: f64 = 60.0, "°", 0.001..=360.0;
+        /// How directions become pixels.
+        projection: ProjectionKind = ProjectionKind::Perspective;
+    }
+}
+
+/// Everything that decides a picture.
+///
+/// ```
+/// let mut scene = himmel::Scene::from_toml(r#"
+///     version = 1
+///     preset = "earth"
+///     [observer]
+///     place = "Potsdam"
+///     [clock]
+///     time = "2012-09-06T18:00Z"
+/// "#, "sunset.toml")?;
+/// scene.set("ground.albedo", "0.3")?;
+/// let again = himmel::Scene::from_toml(&scene.to_toml(), "again.toml")?;
+/// assert_eq!(again, scene);
+/// # Ok::<(), himmel::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Scene {
+    /// Name of a preset, or the path of its file (relative to the scene file).
+    pub preset: String,
+    /// `[observer]`
+    pub observer: ObserverParams,
+    /// `[clock]`
+    pub clock: ClockParams,
+    /// `[camera]`
+    pub camera: CameraParams,
+    /// `[light.sun]`
+    pub sun: SunParams,
+    /// `[air]`
+    pub air: AirParams,
+    /// `[ground]`
+    pub ground: GroundParams,
+    /// `[output]`
+    pub output: OutputParams,
+    /// Folder that a preset's relative path starts from; not part of the file.
+    pub folder: PathBuf,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Self {
+            preset: "earth".into(),
+            observer: ObserverParams::default(),
+            clock: ClockParams::default(),
+            camera: CameraParams::default(),
+            sun: SunParams::default(),
+            air: AirParams::default(),
+            ground: GroundParams::default(),
+            output: OutputParams::default(),
+            folder: PathBuf::new(),
+        }
+    }
+}
+
+impl Scene {
+    /// Every table of parameters, in the order of the file.
+    pub fn tables(&self) -> [&dyn Params; 7] {
+        [&self.observer, &self.clock, &self.camera, &self.sun, &self.air, &self.ground, &self.output]
+    }
+
+    fn tables_mut(&mut self) -> [&mut dyn Params; 7] {
+        [
+            &mut self.observer,
+            &mut self.clock,
+            &mut self.camera,
+            &mut self.sun,
+            &mut self.air,
+            &mut self.ground,
+            &mut self.output,
+        ]
+    }
+
+    /// The description of every parameter.
+    pub fn describe() -> Vec<ParamInfo> {
+        Self::default().tables().iter().flat_map(|table| table.describe()).collect()
+    }
+
+    /// Sets a parameter by its full name from what a person typed: `ground.albedo`, `0.3`.
+    pub fn set(&mut self, key: &str, text: &str) -> Result<()> {
+        let key = key.trim();
+        let unknown = || {
+            let known: Vec<String> = Self::describe().iter().map(ParamInfo::key).collect();
+            let suggestion = nearest(key, known.iter().map(String::as_str));
+            Error::Param(ParamError::Unknown { key: shorten(key), suggestion })
+        };
+        let Some((table, name)) = key.rsplit_once('.') else { return Err(unknown()) };
+        let Some(table) = self.tables_mut().into_iter().find(|t| t.table() == table) else { return Err(unknown()) };
+        let Some(info) = table.describe().into_iter().find(|info| info.name == name) else { return Err(unknown()) };
+        Ok(table.set(name, &info.parse(text)?)?)
+    }
+
+    /// Reads a scene file.
+    pub fn load(path: &Path) -> Result<Self> {
+        let bytes = std::fs::read(path).map_err(|source| Error::Read { path: path.into(), source })?;
+        let file = path.display().to_string();
+        let text = String::from_utf8(bytes)
+            .map_err(|_| Error::Scene { file: file.clone(), message: "it is not a text file (UTF-8)".into() })?;
+        let mut scene = Self::from_toml(&text, &file)?;
+        scene.folder = path.parent().map(Path::to_path_buf).unwrap_or_default();
+        Ok(scene)
+    }
+
+    /// Reads a scene's TOML; `file` stands in error messages. What the file does not say keeps its default.
+    pub fn from_toml(text: &str, file: &str) -> Result<Self> {
+        let line_of = |offset: usize| text.as_bytes()[..offset.min(text.len())].iter().filter(|&&b| b == b'\n').count() + 1;
+        let error = |offset: usize, message: String| Error::Scene {
+            file: file.into(),
+            message: format!("line {}: {message}", line_of(offset)),
+        };
+        let root = DeTable::parse(text).map_err(|e| {
+            let offset = e.span().map_or(0, |span| span.start);
+            error(offset, e.message().lines().collect::<Vec<_>>().join(" "))
+        })?;
+        let mut scene = Self::default();
+        let mut version = None;
+        // Tables still to be read, with their names.
+        let mut waiting = vec![(String::new(), root.get_ref())];
+        while let Some((path, table)) = waiting.pop() {
+            for (key, value) in table {
+                let at = key.span().start;
+                let full = if path.is_empty() { key.get_ref().to_string() } else { format!("{path}.{}", key.get_ref()) };
+                match (full.as_str(), value.get_ref()) {
+                    ("version", value) => {
+                        let number = value.as_integer().and_then(|i| i64::from_str_radix(i.as_str(), i.radix()).ok());
+                        if number != Some(VERSION) {
+                            return Err(error(at, format!("version must be {VERSION}; this program reads no other")));
+                        }
+                        version = number;
+                    }
+                    ("preset", DeValue::String(name)) => scene.preset = name.to_string(),
+                    ("preset", _) => return Err(error(at, "preset takes a name or a path in quotes".into())),
+                    (_, DeValue::Table(inner)) => {
+                        let prefix = format!("{full}.");
+                        let known = |t: &&dyn Params| t.table() == full || t.table().starts_with(&prefix);
+                        if !scene.tables().iter().any(known) {
+                            let suggestion = nearest(&full, scene.tables().iter().map(|t| t.table()));
+                            let hint = suggestion.map_or_else(String::new, |name| format!(": did you mean [{name}]?"));
+                            return Err(error(at, format!("unknown table [{}]{hint}", shorten(&full))));
+                        }
+                        waiting.push((full, inner));
+                    }
+                    (_, value) => {
+                        let value = plain(value).ok_or_else(|| {
+                            error(at, format!("{full} takes a number, true, false or a text in quotes"))
+                        })?;
+                        let table = scene.tables_mut().into_iter().find(|t| t.table() == path);
+                        match table {
+                            Some(table) => {
+                                table.set(key.get_ref(), &value).map_err(|e| error(at, e.to_string()))?;
+                            }
+                            None => {
+                                let known = ["version", "preset"].into_iter().chain(Self::default().tables().map(|t| t.table()));
+                                let hint = nearest(&full, known).map_or_else(String::new, |name| format!(": did you mean {name}?"));
+                                return Err(error(at, format!("unknown key \"{}\"{hint}", shorten(&full))));
+                            }
+                        }
+                    }
+                }
+            }
+        }
+        if version.is_none() {
+            return Err(error(0, format!("version is missing: begin with `version = {VERSION}`")));
+        }
+        Ok(scene)
+    }
+
+    /// Writes the scene as TOML: what differs from the defaults, each with its sentence.
+    pub fn to_toml(&self) -> String {
+        let mut text = format!("version = {VERSION}\npreset = {}\n", toml::Value::from(self.preset.as_str()));
+        for table in self.tables() {
+            let changed = table.describe().into_iter().filter_map(|info| {
+                let value = table.get(info.name)?;
+                (value != info.default && value != Value::Unset).then_some((info, value))
+            });
+            let mut header = Some(table.table());
+            for (info, value) in changed {
+                if let Some(name) = header.take() {
+                    // Writing to a String cannot fail.
+                    let _ = write!(text, "\n[{name}]\n");
+                }
+                let value = match value {
+                    Value::Number(number) => toml::Value::from(number),
+                    Value::Flag(flag) => toml::Value::from(flag),
+                    Value::Text(words) => toml::Value::from(words),
+                    Value::Unset => continue,
+                };
+                let _ = writeln!(text, "{} = {value}  # {}", info.name, info.sentence);
+            }
+        }
+        text
+    }
+
+    /// The atmosphere that it names: a preset that is compiled in, or a file.
+    pub fn load_preset(&self) -> Result<Preset> {
+        if !self.preset.ends_with(".toml") {
+            return Ok(Preset::named(&self.preset)?);
+        }
+        let path = self.folder.join(&self.preset);
+        let text = std::fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
+        Ok(Preset::from_toml(&text, &path.display().to_string())?)
+    }
+}
+
+fn plain(value: &DeValue<'_>) -> Option<Value> {
+    match value {
+        DeValue::String(text) => Some(Value::Text(text.to_string())),
+        DeValue::Boolean(flag) => Some(Value::Flag(*flag)),
+        DeValue::Integer(i) => i64::from_str_radix(i.as_str(), i.radix()).ok().map(|i| Value::Number(i as f64)),
+        DeValue::Float(float) => float.as_str().parse().ok().map(Value::Number),
+        // Times need no quotes: `time = 2012-09-06T18:00:00Z`.
+        DeValue::Datetime(time) => Some(Value::Text(time.to_string())),
+        DeValue::Array(_) | DeValue::Table(_) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_changed_scene_round_trips() {
+        let mut scene = Scene::default();
+        for (key, value) in [
+            ("observer.place", "-24.6272,-70.4042,2635"),
+            ("clock.time", "2012-09-06T18:00Z"),
+            ("clock.rate", "-60"),
+            ("camera.look", "180,35"),
+            ("camera.projection", "fisheye"),
+            ("light.sun.altitude_deg", "-4"),
+            ("air.aerosols", "2.5"),
+            ("ground.albedo", "0.3"),
+            ("output.exposure", "12.5"),
+            ("output.tonemap", "neutral"),
+            ("output.dither", "off"),
+        ] {
+            scene.set(key, value).unwrap();
+        }
+        let text = scene.to_toml();
+        assert_eq!(Scene::from_toml(&text, "test").unwrap(), scene, "{text}");
+    }
+
+    #[test]
+    fn every_parameter_round_trips_through_a_file() {
+        for info in Scene::describe() {
+            let mut scene = Scene::default();
+            let value = match &info.kind {
+                himmel_core::params::Kind::Number { range, whole } => {
+                    let middle = 0.5 * (range.start().max(-1e3) + range.end().min(1e3));
+                    (if *whole { middle.round() } else { middle }).to_string()
+                }
+                himmel_core::params::Kind::Flag => "false".into(),
+                himmel_core::params::Kind::Choice(words) => words[words.len() - 1].into(),
+                himmel_core::params::Kind::Text if info.name == "exposure" => "14".into(),
+                himmel_core::params::Kind::Text => "a \"quoted\" text\n".into(),
+            };
+            scene.set(&info.key(), &value).unwrap();
+            let again = Scene::from_toml(&scene.to_toml(), "test").unwrap();
+            assert_eq!(again, scene, "{}", info.key());
+        }
+    }
+
+    #[test]
+    fn mistakes_name_line_and_remedy() {
+        for (text, parts) in [
+            ("version = 1\n[air]\naerosol = 2", vec!["line 3", "did you mean air.aerosols?"]),
+            ("version = 1\n[grund]\nalbedo = 0.1", vec!["line 2", "did you mean [ground]?"]),
+            ("version = 1\n[ground]\nalbedo = nan", vec!["line 3", "0..=1", "NaN"]),
+            ("version = 1\n[ground]\nalbedo = 1.5", vec!["ground.albedo", "1.5"]),
+            ("version = 1\n[output]\ntonemap = \"filmic\"", vec!["agx", "filmic"]),
+            ("version = 2", vec!["version must be 1"]),
+            ("preset = \"earth\"", vec!["version is missing"]),
+            ("version = 1\npreset = 3", vec!["quotes"]),
+            ("version = 1\n[air", vec!["line 2"]),
+            ("version = 1\nplace = \"Berlin\"", vec!["unknown key \"place\""]),
+            ("version = 1\n[camera]\nlook = [1, 2]", vec!["camera.look"]),
+        ] {
+            let error = Scene::from_toml(text, "s.toml").unwrap_err().to_string();
+            assert!(error.starts_with("s.toml: ") && !error.contains('\n'), "{error}");
+            for part in parts {
+                assert!(error.contains(part), "{error} lacks {part}");
+            }
+        }
+    }
+
+    #[test]
+    fn half_a_file_is_an_error_or_a_scene_but_never_a_panic() {
+        let text = Scene::default().to_toml() + "[observer]\nplace = \"München\"\n[air]\naerosols = 2.5\n";
+        for end in (0..text.len()).filter(|&end| text.is_char_boundary(end)) {
+            let _ = Scene::from_toml(&text[..end], "half");
+        }
+    }
+
+    #[test]
+    fn unknown_parameters_get_a_suggestion() {
+        let error = Scene::default().set("air.nonsense", "1").unwrap_err().to_string();
+        assert!(error.contains("unknown parameter \"air.nonsense\""), "{error}");
+        let error = Scene::default().set("sun.radius_scale", "1").unwrap_err().to_string();
+        assert!(error.contains("did you mean light.sun.radius_scale?"), "{error}");
+    }
+}

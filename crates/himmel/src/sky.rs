@@ -1,0 +1,90 @@
+//! The sky in the host's own render pass.
+
+use himmel_air::Preset;
+use himmel_gpu::{SkyRenderer, Target, View};
+
+use crate::error::Result;
+use crate::light::Light;
+use crate::model::SkyModel;
+use crate::observer::Observer;
+use crate::scene::Scene;
+
+/// The sky, drawn into your pass behind your geometry.
+///
+/// Make it once, [`prepare`](Self::prepare) it each frame for any number of views, [`draw`](Self::draw) each view. You
+/// keep your device, your pass, your depth convention and your formats. `examples/own_renderer` is a complete host.
+pub struct Sky {
+    model: SkyModel,
+    renderer: SkyRenderer,
+    queue: wgpu::Queue,
+}
+
+impl Sky {
+    /// Compiles the pipelines for a target and uploads the air's tables. Stands in Potsdam, now; see [`set_observer`](Self::set_observer).
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, preset: &Preset) -> Result<Self> {
+        let scene = Scene { preset: preset.name.clone(), ..Scene::default() };
+        Self::with_scene(device, queue, target, &scene)
+    }
+
+    /// As [`new`](Self::new), from a scene.
+    pub fn with_scene(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, scene: &Scene) -> Result<Self> {
+        let model = SkyModel::new(scene)?;
+        let renderer = SkyRenderer::new(device, queue, target, model.atmosphere())?;
+        Ok(Self { model, renderer, queue: queue.clone() })
+    }
+
+    /// Everything but the GPU: settings, clock, the Sun's place, numbers.
+    pub fn model(&self) -> &SkyModel {
+        &self.model
+    }
+
+    /// The clock, to run, stop or set it.
+    pub fn clock_mut(&mut self) -> &mut crate::clock::Clock {
+        self.model.clock_mut()
+    }
+
+    /// Stands elsewhere.
+    pub fn set_observer(&mut self, observer: Observer) -> &mut Self {
+        self.model.set_observer(observer);
+        self
+    }
+
+    /// Sets the clock: ISO 8601; bare times are local to the observer.
+    pub fn set_time(&mut self, text: &str) -> Result<&mut Self> {
+        self.model.set_time(text)?;
+        Ok(self)
+    }
+
+    /// Sets a parameter by name: `air.aerosols`, `2`. An edit of the air integrates its tables anew (about 0.1 s); all
+    /// others cost nothing. On an error nothing changes.
+    pub fn set(&mut self, key: &str, value: &str) -> Result<&mut Self> {
+        let mut scene = self.model.scene().clone();
+        scene.set(key, value)?;
+        self.set_scene(&scene)?;
+        Ok(self)
+    }
+
+    /// Takes all settings from a scene.
+    pub fn set_scene(&mut self, scene: &Scene) -> Result<()> {
+        if self.model.set_scene(scene)? {
+            self.renderer.set_atmosphere(&self.queue, self.model.atmosphere());
+        }
+        Ok(())
+    }
+
+    /// Records this frame's small uploads. Any number of views: stereo, cube faces, split screens.
+    pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, views: &[View]) -> Result<()> {
+        Ok(self.renderer.prepare(encoder, &self.model.frame()?, views)?)
+    }
+
+    /// Draws a prepared view into your pass, at infinite depth.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
+        self.renderer.draw(pass, view_index);
+    }
+
+    /// Direction, colour and illuminance of the Sun and the sky, for your scene. Computed in f64 on the CPU (some
+    /// milliseconds): ask when time or air changed, not for every object.
+    pub fn light(&self) -> Result<Light> {
+        self.model.light()
+    }
+}
