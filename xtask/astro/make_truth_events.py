@@ -80,6 +80,8 @@ with open(target / "lunar_eclipses.csv", "w") as f:
         coarse = min(np.arange(guess - 0.8, guess + 0.8, 0.05), key=lambda t: shadow(t)[0])
         r = minimize_scalar(lambda t: shadow(t)[0] ** 2, bounds=(coarse - 0.05, coarse + 0.05), method="bounded",
                             options={"xatol": 1e-6})
+        if r.fun > 0.035**2:
+            continue
         # The derivative's zero, which a minimiser alone finds only to seconds.
         slope = lambda t: shadow(t + 0.002)[0] ** 2 - shadow(t - 0.002)[0] ** 2
         t0 = brentq(slope, r.x - 0.02, r.x + 0.02, xtol=1e-9)

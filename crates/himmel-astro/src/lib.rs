@@ -23,6 +23,7 @@ mod error;
 pub mod events;
 pub mod physical;
 mod place;
+pub mod query;
 mod refraction;
 mod series;
 pub mod stars;
@@ -30,7 +31,7 @@ pub mod time;
 
 pub use apparent::{Apparent, Observer, observe};
 pub use body::Body;
-pub use ephemeris::{Cached, Ephemeris, Fast, Precise, State};
+pub use ephemeris::{Cached, Ephemeris, Fast, Manual, Precise, State};
 pub use error::{AstroError, Result};
 pub use place::Place;
 pub use refraction::AirAtObserver;

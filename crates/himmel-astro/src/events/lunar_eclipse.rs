@@ -119,12 +119,7 @@ pub fn lunar_eclipses(
             continue;
         }
         let at = |jd: f64| shadow(ephemeris, jd, convention);
-        let (coarse, least) = minimum(
-            |x| at(x).map(|s| s.separation_rad),
-            guess - 0.8,
-            guess + 0.8,
-            1e-3,
-        )?;
+        let (coarse, least) = minimum(|x| at(x).map(|s| s.separation_rad), guess - 0.8, guess + 0.8, 1e-3)?;
         if least > 0.03 {
             continue;
         }
@@ -133,8 +128,7 @@ pub fn lunar_eclipses(
             continue;
         }
         let s = at(greatest)?;
-        let penumbral_magnitude =
-            (s.penumbra_rad + s.moon_rad - s.separation_rad) / (2.0 * s.moon_rad);
+        let penumbral_magnitude = (s.penumbra_rad + s.moon_rad - s.separation_rad) / (2.0 * s.moon_rad);
         if penumbral_magnitude <= 0.0 {
             continue;
         }
@@ -179,19 +173,13 @@ pub fn lunar_eclipses(
 const MOST_AT_GUESS_RAD: f64 = 0.22;
 
 /// Julian dates (TT) of mean new moons (phase 0) or full moons (phase 0.5) that may have their true one in the span   [meeus1998, eq. 49.1].
-pub(super) fn mean_syzygies(
-    from: JulianDateTt,
-    to: JulianDateTt,
-    phase: f64,
-) -> impl Iterator<Item = f64> {
+pub(super) fn mean_syzygies(from: JulianDateTt, to: JulianDateTt, phase: f64) -> impl Iterator<Item = f64> {
     let first = ((from.jd() - 2_451_550.097_66) / 29.530_588_861 - phase).floor() as i64 - 1;
     let last = ((to.jd() - 2_451_550.097_66) / 29.530_588_861 - phase).ceil() as i64 + 1;
     (first..=last).map(move |k| {
         let k = k as f64 + phase;
         let t = k / 1236.85;
-        2_451_550.097_66
-            + 29.530_588_861 * k
-            + t * t * (0.000_154_37 + t * (-0.000_000_150 + t * 0.000_000_000_73))
+        2_451_550.097_66 + 29.530_588_861 * k + t * t * (0.000_154_37 + t * (-0.000_000_150 + t * 0.000_000_000_73))
     })
 }
 
@@ -222,24 +210,13 @@ mod tests {
     #[test]
     fn the_long_one_of_2018() {
         let precise = Precise::embedded().unwrap();
-        let span = (
-            JulianDateTt::new(2_458_300.5).unwrap(),
-            JulianDateTt::new(2_458_400.5).unwrap(),
-        );
+        let span = (JulianDateTt::new(2_458_300.5).unwrap(), JulianDateTt::new(2_458_400.5).unwrap());
         let list = lunar_eclipses(&precise, span, ShadowConvention::Danjon).unwrap();
         assert_eq!(list.len(), 1);
         let e = list[0];
         assert_eq!(e.kind, LunarEclipseKind::Total);
-        assert!(
-            (e.greatest.jd() - (2_458_327.0 + (8.0 + 22.0 / 60.0 + 54.0 / 3600.0) / 24.0)).abs()
-                * 86_400.0
-                < 30.0
-        );
-        assert!(
-            (e.umbral_magnitude - 1.6087).abs() < 0.006,
-            "{}",
-            e.umbral_magnitude
-        );
+        assert!((e.greatest.jd() - (2_458_327.0 + (8.0 + 22.0 / 60.0 + 54.0 / 3600.0) / 24.0)).abs() * 86_400.0 < 30.0);
+        assert!((e.umbral_magnitude - 1.6087).abs() < 0.006, "{}", e.umbral_magnitude);
         let totality = (e.u3.unwrap().jd() - e.u2.unwrap().jd()) * 1440.0;
         assert!((totality - 103.0).abs() < 1.0, "{totality}");
         let order = [e.p1, e.u1, e.u2, Some(e.greatest), e.u3, e.u4, e.p4].map(|t| t.unwrap().jd());

@@ -39,22 +39,8 @@ const REFRACTION_AT_HORIZON_RAD: f64 = 34.0 / 60.0 * PI / 180.0;
 impl Horizon {
     /// The caller's own horizon, −10..=80°, and refraction, 0..=2°.
     pub fn custom(horizon_deg: f64, refraction_deg: f64, upper_limb: bool) -> Result<Self> {
-        in_range(
-            "altitude of the horizon",
-            "-10..=80 degrees",
-            horizon_deg,
-            -10.0,
-            80.0,
-            "",
-        )?;
-        in_range(
-            "refraction at the horizon",
-            "0..=2 degrees",
-            refraction_deg,
-            0.0,
-            2.0,
-            "",
-        )?;
+        in_range("altitude of the horizon", "-10..=80 degrees", horizon_deg, -10.0, 80.0, "")?;
+        in_range("refraction at the horizon", "0..=2 degrees", refraction_deg, 0.0, 2.0, "")?;
         Ok(Self::Custom {
             horizon_rad: horizon_deg.to_radians(),
             refraction_rad: refraction_deg.to_radians(),
@@ -71,11 +57,9 @@ impl Horizon {
             Self::CivilTwilight => (-6.0_f64).to_radians(),
             Self::NauticalTwilight => (-12.0_f64).to_radians(),
             Self::AstronomicalTwilight => (-18.0_f64).to_radians(),
-            Self::Custom {
-                horizon_rad,
-                refraction_rad,
-                upper_limb,
-            } => horizon_rad - refraction_rad - if upper_limb { semidiameter_rad } else { 0.0 },
+            Self::Custom { horizon_rad, refraction_rad, upper_limb } => {
+                horizon_rad - refraction_rad - if upper_limb { semidiameter_rad } else { 0.0 }
+            }
         }
     }
 }
@@ -138,11 +122,7 @@ pub fn crossings(
     let (mut a, mut fa) = (from.jd(), height(from.jd())?);
     let up_at_start = fa > 0.0;
     for i in 1..=steps as u64 {
-        let b = if i as f64 == steps {
-            to.jd()
-        } else {
-            from.jd() + step * i as f64
-        };
+        let b = if i as f64 == steps { to.jd() } else { from.jd() + step * i as f64 };
         let fb = height(b)?;
         if (fa > 0.0) != (fb > 0.0) {
             found.push((zero(height, a, fa, b, fb)?, fb > 0.0));
@@ -164,19 +144,9 @@ pub fn crossings(
     let mut crossings = Vec::with_capacity(found.len());
     for (jd, upwards) in found {
         let instant = Instant::from_tt(JulianDateTt::new(jd)?, model);
-        let azimuth_rad = Observer::new(ephemeris, &instant, place)?
-            .apparent(body)?
-            .azimuth_rad;
-        let kind = if upwards {
-            CrossingKind::Rise
-        } else {
-            CrossingKind::Set
-        };
-        crossings.push(Crossing {
-            instant,
-            kind,
-            azimuth_rad,
-        });
+        let azimuth_rad = Observer::new(ephemeris, &instant, place)?.apparent(body)?.azimuth_rad;
+        let kind = if upwards { CrossingKind::Rise } else { CrossingKind::Set };
+        crossings.push(Crossing { instant, kind, azimuth_rad });
     }
     Ok((crossings, up_at_start))
 }
@@ -201,21 +171,13 @@ pub fn transits(
     let step = (to.jd() - from.jd()) / steps;
     let (mut a, mut ha) = (from.jd(), at(from.jd())?.0);
     for i in 1..=steps as u64 {
-        let b = if i as f64 == steps {
-            to.jd()
-        } else {
-            from.jd() + step * i as f64
-        };
+        let b = if i as f64 == steps { to.jd() } else { from.jd() + step * i as f64 };
         let hb = at(b)?.0;
         // sin H crosses zero upwards on the meridian's upper half, downwards on the lower.
         if (ha.sin() > 0.0) != (hb.sin() > 0.0) {
             let jd = zero(|x| at(x).map(|(h, _)| h.sin()), a, ha.sin(), b, hb.sin())?;
             let instant = Instant::from_tt(JulianDateTt::new(jd)?, model);
-            found.push(Transit {
-                instant,
-                upper: hb.sin() > 0.0,
-                altitude_rad: at(jd)?.1,
-            });
+            found.push(Transit { instant, upper: hb.sin() > 0.0, altitude_rad: at(jd)?.1 });
         }
         (a, ha) = (b, hb);
     }
@@ -228,10 +190,7 @@ mod tests {
     use crate::{Fast, Precise};
 
     fn day(jd: f64) -> (JulianDateTt, JulianDateTt) {
-        (
-            JulianDateTt::new(jd).unwrap(),
-            JulianDateTt::new(jd + 1.0).unwrap(),
-        )
+        (JulianDateTt::new(jd).unwrap(), JulianDateTt::new(jd + 1.0).unwrap())
     }
 
     /// Places against DE440 are in `tests/truth.rs`; here the order of a day.
@@ -260,15 +219,8 @@ mod tests {
     fn polar_day_and_night_have_no_crossings() {
         let place = Place::from_degrees(78.2, 15.6, 0.0).unwrap();
         for (jd, up) in [(2_459_386.5, true), (2_459_569.5, false)] {
-            let (events, was_up) = crossings(
-                &Fast,
-                Body::Sun,
-                Horizon::SunConvention,
-                &place,
-                day(jd),
-                DeltaTModel::Standard,
-            )
-            .unwrap();
+            let (events, was_up) =
+                crossings(&Fast, Body::Sun, Horizon::SunConvention, &place, day(jd), DeltaTModel::Standard).unwrap();
             assert!(events.is_empty());
             assert_eq!(was_up, up);
         }
@@ -280,15 +232,8 @@ mod tests {
         let place = Place::from_degrees(70.0, 20.0, 0.0).unwrap();
         let from = JulianDateTt::new(2_459_345.5).unwrap();
         let to = JulianDateTt::new(2_459_360.5).unwrap();
-        let (events, _) = crossings(
-            &Fast,
-            Body::Sun,
-            Horizon::SunConvention,
-            &place,
-            (from, to),
-            DeltaTModel::Standard,
-        )
-        .unwrap();
+        let (events, _) =
+            crossings(&Fast, Body::Sun, Horizon::SunConvention, &place, (from, to), DeltaTModel::Standard).unwrap();
         for pair in events.windows(2) {
             assert!(pair[0].kind != pair[1].kind && pair[0].instant.tt() < pair[1].instant.tt());
         }
@@ -304,16 +249,8 @@ mod tests {
     fn backward_and_endless_spans_are_refused() {
         let jd = |v| JulianDateTt::new(v).unwrap();
         let place = Place::GREENWICH_EQUATOR;
-        let try_span = |a, b| {
-            crossings(
-                &Fast,
-                Body::Sun,
-                Horizon::Centre,
-                &place,
-                (jd(a), jd(b)),
-                DeltaTModel::Standard,
-            )
-        };
+        let try_span =
+            |a, b| crossings(&Fast, Body::Sun, Horizon::Centre, &place, (jd(a), jd(b)), DeltaTModel::Standard);
         assert!(try_span(2_451_545.0, 2_451_544.0).is_err());
         assert!(try_span(-1_000_000.0, 5_000_000.0).is_err());
     }

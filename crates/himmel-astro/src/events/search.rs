@@ -6,13 +6,7 @@ use crate::error::Result;
 const TOLERANCE_DAYS: f64 = 1.2e-9;
 
 /// The zero of `f` between `a` and `b`, where its signs differ (`fa`, `fb`): Illinois' false position with bisection in reserve.
-pub(super) fn zero(
-    mut f: impl FnMut(f64) -> Result<f64>,
-    a: f64,
-    fa: f64,
-    b: f64,
-    fb: f64,
-) -> Result<f64> {
+pub(super) fn zero(mut f: impl FnMut(f64) -> Result<f64>, a: f64, fa: f64, b: f64, fb: f64) -> Result<f64> {
     let (mut a, mut fa, mut b, mut fb) = (a, fa, b, fb);
     let mut side = 0;
     for step in 0..100 {
@@ -21,11 +15,7 @@ pub(super) fn zero(
         }
         let secant = (fa * b - fb * a) / (fa - fb);
         let inside = secant > a.min(b) && secant < a.max(b);
-        let c = if inside && step % 4 != 3 {
-            secant
-        } else {
-            0.5 * (a + b)
-        };
+        let c = if inside && step % 4 != 3 { secant } else { 0.5 * (a + b) };
         let fc = f(c)?;
         if fc == 0.0 {
             return Ok(c);
@@ -50,12 +40,7 @@ pub(super) fn zero(
 }
 
 /// The minimum of `f` between `a` and `b` by golden section, to a relative √ε: its argument to about 1e-8 of the bracket.
-pub(super) fn minimum(
-    mut f: impl FnMut(f64) -> Result<f64>,
-    a: f64,
-    b: f64,
-    tolerance: f64,
-) -> Result<(f64, f64)> {
+pub(super) fn minimum(mut f: impl FnMut(f64) -> Result<f64>, a: f64, b: f64, tolerance: f64) -> Result<(f64, f64)> {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let (mut a, mut b) = (a, b);
     let mut x1 = b - GOLDEN * (b - a);

@@ -100,10 +100,7 @@ pub fn solar_eclipses(
     let instant_at = |jd: f64| JulianDateTt::new(jd).map(|tt| Instant::from_tt(tt, model));
     let pair = |jd: f64| -> Result<Pair> {
         let observer = Observer::new(ephemeris, &instant_at(jd)?, place)?;
-        let (sun, moon) = (
-            observer.apparent(Body::Sun)?,
-            observer.apparent(Body::Moon)?,
-        );
+        let (sun, moon) = (observer.apparent(Body::Sun)?, observer.apparent(Body::Moon)?);
         Ok(Pair {
             separation: angle_between(sun.direction_gcrs, moon.direction_gcrs),
             sun_radius: sun.semidiameter_rad(),
@@ -143,10 +140,7 @@ pub fn solar_eclipses(
         }
         let greatest = least_separation(distance, coarse)?;
         let p = pair(greatest)?;
-        if greatest < from.jd()
-            || greatest > to.jd()
-            || p.separation >= p.sun_radius + p.moon_radius
-        {
+        if greatest < from.jd() || greatest > to.jd() || p.separation >= p.sun_radius + p.moon_radius {
             continue;
         }
         let contact = |depth: &dyn Fn(&Pair) -> f64, side: f64| -> Result<Option<SolarMoment>> {
@@ -176,8 +170,7 @@ pub fn solar_eclipses(
         let mut visible = false;
         for i in 0..=12 {
             let (a, b) = (c1.instant.tt().jd(), c4.instant.tt().jd());
-            visible |=
-                pair(a + (b - a) * f64::from(i) / 12.0)?.sun.altitude_rad > LOWEST_VISIBLE_RAD;
+            visible |= pair(a + (b - a) * f64::from(i) / 12.0)?.sun.altitude_rad > LOWEST_VISIBLE_RAD;
         }
         if !visible {
             continue;
@@ -213,9 +206,7 @@ mod tests {
         assert!((covered_part(1.0, 0.9, 0.1 + 1e-9) - 0.81).abs() < 1e-4);
         assert!(covered_part(1.0, 0.9, 1.9 - 1e-9) < 1e-9);
         // Two equal discs, one radius apart: 2/3 − √3/(2π).
-        assert!(
-            (covered_part(1.0, 1.0, 1.0) - (2.0 / 3.0 - 3f64.sqrt() / (2.0 * PI))).abs() < 1e-14
-        );
+        assert!((covered_part(1.0, 1.0, 1.0) - (2.0 / 3.0 - 3f64.sqrt() / (2.0 * PI))).abs() < 1e-14);
     }
 
     /// Issue 3: Stuttgart, 1999-08-11: totality 10:32:53.7 to 10:35:14.8 UTC within 2 s.
@@ -223,16 +214,12 @@ mod tests {
     fn stuttgart_1999() {
         let precise = Precise::embedded().unwrap();
         let place = Place::from_degrees(48.7758, 9.1829, 245.0).unwrap();
-        let span = (
-            JulianDateTt::new(2_451_179.5).unwrap(),
-            JulianDateTt::new(2_451_544.5).unwrap(),
-        );
+        let span = (JulianDateTt::new(2_451_179.5).unwrap(), JulianDateTt::new(2_451_544.5).unwrap());
         let list = solar_eclipses(&precise, &place, span, DeltaTModel::Standard).unwrap();
         assert_eq!(list.len(), 1);
         let e = list[0];
         assert_eq!(e.kind, SolarEclipseKind::Total);
-        let seconds =
-            |m: SolarMoment| ((m.instant.utc().jd() + 0.5).fract() * 86_400.0) - 10.0 * 3600.0;
+        let seconds = |m: SolarMoment| ((m.instant.utc().jd() + 0.5).fract() * 86_400.0) - 10.0 * 3600.0;
         let (c2, c3) = (seconds(e.c2.unwrap()), seconds(e.c3.unwrap()));
         println!("Stuttgart 1999: c2 {c2:.2} s, c3 {c3:.2} s after 10:00 UTC");
         assert!((c2 - (32.0 * 60.0 + 53.7)).abs() < 2.0, "{c2}");
@@ -244,23 +231,16 @@ mod tests {
     #[test]
     fn ring_and_total() {
         let precise = Precise::embedded().unwrap();
-        let span = (
-            JulianDateTt::new(2_460_200.5).unwrap(),
-            JulianDateTt::new(2_460_500.5).unwrap(),
-        );
+        let span = (JulianDateTt::new(2_460_200.5).unwrap(), JulianDateTt::new(2_460_500.5).unwrap());
         for (lat, lon, kind, jd) in [
             (23.2494, -106.4111, SolarEclipseKind::Total, 2_460_409.26),
             (35.08, -106.65, SolarEclipseKind::Annular, 2_460_232.19),
         ] {
             let place = Place::from_degrees(lat, lon, 0.0).unwrap();
             let list = solar_eclipses(&precise, &place, span, DeltaTModel::Standard).unwrap();
-            let e = list
-                .iter()
-                .find(|e| (e.greatest.instant.tt().jd() - jd).abs() < 0.05)
-                .unwrap();
+            let e = list.iter().find(|e| (e.greatest.instant.tt().jd() - jd).abs() < 0.05).unwrap();
             assert_eq!(e.kind, kind);
-            let order =
-                [e.c1, e.c2.unwrap(), e.greatest, e.c3.unwrap(), e.c4].map(|m| m.instant.tt().jd());
+            let order = [e.c1, e.c2.unwrap(), e.greatest, e.c3.unwrap(), e.c4].map(|m| m.instant.tt().jd());
             assert!(order.windows(2).all(|w| w[0] < w[1]));
         }
     }

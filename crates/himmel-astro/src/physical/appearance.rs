@@ -65,27 +65,14 @@ impl Observer<'_> {
     pub fn appearance(&self, body: Body, seen: &Apparent) -> Result<Appearance> {
         let (vector, _) = self.light_time_vector(body)?;
         let from_sun = self.state.position_m + vector - self.sun.position_m;
-        let sun_distance_m = if body == Body::Sun {
-            0.0
-        } else {
-            from_sun.length()
-        };
-        let phase_angle_rad = if body == Body::Sun {
-            0.0
-        } else {
-            angle_between(from_sun, vector)
-        };
-        let sun = if body == Body::Sun {
-            *seen
-        } else {
-            self.apparent(Body::Sun)?
-        };
+        let sun_distance_m = if body == Body::Sun { 0.0 } else { from_sun.length() };
+        let phase_angle_rad = if body == Body::Sun { 0.0 } else { angle_between(from_sun, vector) };
+        let sun = if body == Body::Sun { *seen } else { self.apparent(Body::Sun)? };
         let turn = self.orientation.true_from_gcrs;
-        let (sun_latitude, observer_latitude) =
-            pole_icrs(body, self.instant.tdb()).map_or((0.0, 0.0), |pole| {
-                let latitude = |v: DVec3| PI / 2.0 - angle_between(pole, -v);
-                (latitude(from_sun), latitude(vector))
-            });
+        let (sun_latitude, observer_latitude) = pole_icrs(body, self.instant.tdb()).map_or((0.0, 0.0), |pole| {
+            let latitude = |v: DVec3| PI / 2.0 - angle_between(pole, -v);
+            (latitude(from_sun), latitude(vector))
+        });
         let magnitude = planet_magnitude(
             body,
             &Circumstances {
@@ -101,10 +88,7 @@ impl Observer<'_> {
             illuminated_fraction: 0.5 * (1.0 + phase_angle_rad.cos()),
             phase_angle_rad,
             magnitude,
-            bright_limb_position_angle_rad: position_angle_rad(
-                turn * seen.direction_gcrs,
-                turn * sun.direction_gcrs,
-            ),
+            bright_limb_position_angle_rad: position_angle_rad(turn * seen.direction_gcrs, turn * sun.direction_gcrs),
             elongation_rad: angle_between(seen.direction_gcrs, sun.direction_gcrs),
             sun_distance_m,
         })
@@ -112,18 +96,13 @@ impl Observer<'_> {
 
     /// Local hour angle of a place in the sky, −π..=π, positive west of the meridian.
     pub fn hour_angle_rad(&self, seen: &Apparent) -> f64 {
-        let h = self.orientation.apparent_sidereal_time_rad + self.place.longitude_rad()
-            - seen.right_ascension_rad;
+        let h = self.orientation.apparent_sidereal_time_rad + self.place.longitude_rad() - seen.right_ascension_rad;
         (h + PI).rem_euclid(TAU) - PI
     }
 
     /// Parallactic angle of a place in the sky.
     pub fn parallactic_angle_rad(&self, seen: &Apparent) -> f64 {
-        parallactic_angle_rad(
-            self.hour_angle_rad(seen),
-            seen.declination_rad,
-            self.place.latitude_rad(),
-        )
+        parallactic_angle_rad(self.hour_angle_rad(seen), seen.declination_rad, self.place.latitude_rad())
     }
 
     /// The Earth as the Moon sees it.
@@ -165,19 +144,9 @@ mod tests {
             let look = observer.appearance(Body::Moon, &moon).unwrap();
             // Phase, elongation and the angle at the Sun make a triangle; the Sun's is below 0.16°. Parallax moves the Moon by 1°.
             assert!((look.phase_angle_rad + look.elongation_rad - PI).abs() < 0.003);
-            assert!(
-                (observer.earthshine().illuminated_fraction + look.illuminated_fraction - 1.0)
-                    .abs()
-                    < 0.02
-            );
+            assert!((observer.earthshine().illuminated_fraction + look.illuminated_fraction - 1.0).abs() < 0.02);
             let sun = observer.apparent(Body::Sun).unwrap();
-            assert_eq!(
-                observer
-                    .appearance(Body::Sun, &sun)
-                    .unwrap()
-                    .illuminated_fraction,
-                1.0
-            );
+            assert_eq!(observer.appearance(Body::Sun, &sun).unwrap().illuminated_fraction, 1.0);
         }
     }
 
@@ -191,11 +160,7 @@ mod tests {
         let observer = Observer::new(&Fast, &instant, &place).unwrap();
         let moon = observer.apparent(Body::Moon).unwrap();
         let look = observer.appearance(Body::Moon, &moon).unwrap();
-        assert!(
-            (look.illuminated_fraction - 0.6786).abs() < 0.003,
-            "{}",
-            look.illuminated_fraction
-        );
+        assert!((look.illuminated_fraction - 0.6786).abs() < 0.003, "{}", look.illuminated_fraction);
         assert!((look.bright_limb_position_angle_rad.to_degrees() - 285.0).abs() < 0.3);
     }
 

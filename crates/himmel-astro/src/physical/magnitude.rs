@@ -41,18 +41,7 @@ pub fn planet_magnitude(body: Body, c: &Circumstances) -> f64 {
         Body::Mercury => {
             -0.613
                 + distances
-                + polynomial(
-                    a,
-                    &[
-                        0.0,
-                        6.3280e-2,
-                        -1.6336e-3,
-                        3.3644e-5,
-                        -3.4265e-7,
-                        1.6893e-9,
-                        -3.0334e-12,
-                    ],
-                )
+                + polynomial(a, &[0.0, 6.3280e-2, -1.6336e-3, 3.3644e-5, -3.4265e-7, 1.6893e-9, -3.0334e-12])
         }
         Body::Venus if a < 163.7 => {
             -4.384 + distances + polynomial(a, &[0.0, -1.044e-3, 3.687e-4, -2.814e-6, 8.938e-9])
@@ -70,25 +59,15 @@ pub fn planet_magnitude(body: Body, c: &Circumstances) -> f64 {
             let tilt = product.max(0.0).sqrt().min(27.0).to_radians().sin();
             -8.914 + distances - 1.825 * tilt + 0.026 * a - 0.378 * tilt * (-2.25 * a).exp()
         }
-        Body::Saturn => {
-            -8.94 + distances + polynomial(a, &[0.0, 2.446e-4, 2.672e-4, -1.505e-6, 4.767e-9])
-        }
+        Body::Saturn => -8.94 + distances + polynomial(a, &[0.0, 2.446e-4, 2.672e-4, -1.505e-6, 4.767e-9]),
         Body::Uranus => {
             let latitude = 0.5 * (c.sun_latitude_deg.abs() + c.observer_latitude_deg.abs());
-            let phase = if a > 3.1 {
-                polynomial(a, &[0.0, 6.587e-3, 1.045e-4])
-            } else {
-                0.0
-            };
+            let phase = if a > 3.1 { polynomial(a, &[0.0, 6.587e-3, 1.045e-4]) } else { 0.0 };
             -7.110 + distances - 0.000_84 * latitude + phase
         }
         Body::Neptune => {
             let base = (-6.89 - 0.0054 * (c.year - 1980.0)).clamp(-7.00, -6.89);
-            let phase = if a > 1.9 {
-                polynomial(a, &[0.0, 7.944e-3, 9.617e-5])
-            } else {
-                0.0
-            };
+            let phase = if a > 1.9 { polynomial(a, &[0.0, 7.944e-3, 9.617e-5]) } else { 0.0 };
             base + distances + phase
         }
         Body::Pluto => -1.0 + distances + 0.04 * a,
@@ -117,11 +96,8 @@ mod tests {
     /// Both branches of a planet meet: 0.02 mag, which is what the paper's own formulae leave (Mars 0.07).
     #[test]
     fn branches_meet() {
-        for (body, at, tolerance) in [
-            (Body::Venus, 163.7, 0.02),
-            (Body::Mars, 50.0, 0.07),
-            (Body::Jupiter, 12.0, 0.02),
-        ] {
+        for (body, at, tolerance) in [(Body::Venus, 163.7, 0.02), (Body::Mars, 50.0, 0.07), (Body::Jupiter, 12.0, 0.02)]
+        {
             let m = |a: f64| {
                 planet_magnitude(
                     body,
@@ -135,12 +111,7 @@ mod tests {
                     },
                 )
             };
-            assert!(
-                (m(at - 1e-9) - m(at + 1e-9)).abs() < tolerance,
-                "{body}: {} {}",
-                m(at - 1e-9),
-                m(at + 1e-9)
-            );
+            assert!((m(at - 1e-9) - m(at + 1e-9)).abs() < tolerance, "{body}: {} {}", m(at - 1e-9), m(at + 1e-9));
         }
     }
 }

@@ -34,17 +34,14 @@ impl MoonOrientation {
         let (s11, _) = e(119.743, 0.003_609_6);
         let (s12, _) = e(239.961, 0.164_357_3);
         let (s13, c13) = e(25.053, 12.959_008_8);
-        let pole_ra = 269.9949 + 0.0031 * t - 3.8787 * s1 - 0.1204 * s2 + 0.0700 * s3 - 0.0172 * s4
-            + 0.0072 * s6
+        let pole_ra = 269.9949 + 0.0031 * t - 3.8787 * s1 - 0.1204 * s2 + 0.0700 * s3 - 0.0172 * s4 + 0.0072 * s6
             - 0.0052 * s10
             + 0.0043 * s13;
-        let pole_dec = 66.5392 + 0.0130 * t + 1.5419 * c1 + 0.0239 * c2 - 0.0278 * c3 + 0.0068 * c4
-            - 0.0029 * c6
+        let pole_dec = 66.5392 + 0.0130 * t + 1.5419 * c1 + 0.0239 * c2 - 0.0278 * c3 + 0.0068 * c4 - 0.0029 * c6
             + 0.0009 * c7
             + 0.0008 * c10
             - 0.0009 * c13;
-        let meridian = 38.3213 + 13.176_358_15 * d - 1.4e-12 * d * d + 3.5610 * s1 + 0.1208 * s2
-            - 0.0642 * s3
+        let meridian = 38.3213 + 13.176_358_15 * d - 1.4e-12 * d * d + 3.5610 * s1 + 0.1208 * s2 - 0.0642 * s3
             + 0.0158 * s4
             + 0.0252 * s5
             - 0.0066 * s6
@@ -96,23 +93,12 @@ impl Observer<'_> {
     pub fn libration(&self, seen: &Apparent) -> Libration {
         let orientation = MoonOrientation::at(self.instant.tdb());
         let moon = (self.earth + self.moon_from_earth).position_m;
-        let (longitude_rad, latitude_rad) =
-            orientation.longitude_latitude_rad(self.state.position_m - moon);
-        let (sun_longitude_rad, sun_latitude_rad) =
-            orientation.longitude_latitude_rad(self.sun.position_m - moon);
+        let (longitude_rad, latitude_rad) = orientation.longitude_latitude_rad(self.state.position_m - moon);
+        let (sun_longitude_rad, sun_latitude_rad) = orientation.longitude_latitude_rad(self.sun.position_m - moon);
         let turn = self.orientation.true_from_gcrs;
-        let angle = position_angle_rad(
-            turn * seen.direction_gcrs,
-            turn * orientation.north_pole_icrs(),
-        );
+        let angle = position_angle_rad(turn * seen.direction_gcrs, turn * orientation.north_pole_icrs());
         let axis_position_angle_rad = (angle + PI).rem_euclid(TAU) - PI;
-        Libration {
-            longitude_rad,
-            latitude_rad,
-            axis_position_angle_rad,
-            sun_longitude_rad,
-            sun_latitude_rad,
-        }
+        Libration { longitude_rad, latitude_rad, axis_position_angle_rad, sun_longitude_rad, sun_latitude_rad }
     }
 }
 
@@ -136,16 +122,8 @@ mod tests {
             let hour_angle_deg = observer.hour_angle_rad(&moon).to_degrees();
             if hour_angle_deg.abs() < 0.1 {
                 let l = observer.libration(&moon);
-                assert!(
-                    (l.longitude_rad.to_degrees() + 1.23).abs() < 0.1,
-                    "{}",
-                    l.longitude_rad.to_degrees()
-                );
-                assert!(
-                    (l.latitude_rad.to_degrees() - 4.20).abs() < 0.1,
-                    "{}",
-                    l.latitude_rad.to_degrees()
-                );
+                assert!((l.longitude_rad.to_degrees() + 1.23).abs() < 0.1, "{}", l.longitude_rad.to_degrees());
+                assert!((l.latitude_rad.to_degrees() - 4.20).abs() < 0.1, "{}", l.latitude_rad.to_degrees());
                 assert!((l.axis_position_angle_rad.to_degrees() - 15.08).abs() < 0.1);
                 return;
             }

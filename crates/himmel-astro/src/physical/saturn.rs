@@ -59,19 +59,10 @@ mod tests {
     fn rings_of_meeus() {
         let tt = crate::time::JulianDateTt::new(2_448_972.5).unwrap();
         let instant = Instant::from_tt(tt, crate::time::DeltaTModel::Standard);
-        let observer = Observer::new(
-            &Fast,
-            &instant,
-            &Place::from_degrees(0.0, 0.0, 0.0).unwrap(),
-        )
-        .unwrap();
+        let observer = Observer::new(&Fast, &instant, &Place::from_degrees(0.0, 0.0, 0.0).unwrap()).unwrap();
         let saturn = observer.apparent(Body::Saturn).unwrap();
         let rings = observer.saturn_rings(&saturn).unwrap();
-        assert!(
-            (rings.tilt_rad.to_degrees() - 16.442).abs() < 0.05,
-            "{}",
-            rings.tilt_rad.to_degrees()
-        );
+        assert!((rings.tilt_rad.to_degrees() - 16.442).abs() < 0.05, "{}", rings.tilt_rad.to_degrees());
         assert!((rings.sun_tilt_rad.to_degrees() - 14.679).abs() < 0.05);
         assert!((rings.position_angle_rad.to_degrees() - 6.741).abs() < 0.05);
     }

@@ -38,10 +38,7 @@ pub fn parse(text: &str) -> Result<Vec<Constellation>> {
             continue;
         };
         let slot = all.iter().position(|c| c.id == id).unwrap_or_else(|| {
-            all.push(Constellation {
-                id: id.to_owned(),
-                ..Constellation::default()
-            });
+            all.push(Constellation { id: id.to_owned(), ..Constellation::default() });
             all.len() - 1
         });
         let angle = |word: &str| {
@@ -61,9 +58,7 @@ pub fn parse(text: &str) -> Result<Vec<Constellation>> {
         }
         let numbers = words.map(angle).collect::<Result<Vec<f64>>>()?;
         if numbers.len() % 2 != 0 {
-            return Err(malformed(
-                "expected pairs of right ascension and declination",
-            ));
+            return Err(malformed("expected pairs of right ascension and declination"));
         }
         let points = numbers.chunks_exact(2).map(|p| (p[0], p[1])).collect();
         match kind {
@@ -81,19 +76,12 @@ mod tests {
 
     #[test]
     fn all_88_are_there() {
-        let all = parse(include_str!(
-            "../../../../assets/astro/stars/constellations.txt"
-        ))
-        .unwrap();
+        let all = parse(include_str!("../../../../assets/astro/stars/constellations.txt")).unwrap();
         let ids: std::collections::BTreeSet<_> = all.iter().map(|c| c.id.as_str()).collect();
         assert_eq!(ids.len(), all.len());
         assert!(all.iter().filter(|c| !c.boundaries.is_empty()).count() >= 88);
         let orion = all.iter().find(|c| c.id == "Ori").unwrap();
         assert!(!orion.lines.is_empty() && orion.name == "Orion");
-        assert!(
-            parse("line Ori 1").is_err()
-                && parse("line Ori x y").is_err()
-                && parse("circle Ori 1 2").is_err()
-        );
+        assert!(parse("line Ori 1").is_err() && parse("line Ori x y").is_err() && parse("circle Ori 1 2").is_err());
     }
 }

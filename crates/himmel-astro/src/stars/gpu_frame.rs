@@ -61,8 +61,7 @@ impl StarFrame {
     pub fn direction_enu(&self, place: DVec3, velocity_per_year: DVec3) -> DVec3 {
         let d = (place + velocity_per_year * self.years_since_j2000).normalize();
         let along = d.dot(self.beta);
-        let aberrated =
-            d * (1.0 - 0.5 * self.beta.length_squared()) + self.beta * (1.0 + 0.5 * along);
+        let aberrated = d * (1.0 - 0.5 * self.beta.length_squared()) + self.beta * (1.0 + 0.5 * along);
         self.enu_from_icrs * aberrated.normalize()
     }
 }
@@ -77,8 +76,7 @@ mod tests {
     #[test]
     fn the_shaders_path_agrees_with_the_full_one() {
         let place = Place::from_degrees(-30.0, 70.0, 0.0).unwrap();
-        let observer =
-            Observer::new(&Fast, &Instant::from_unix_seconds(1.6e9).unwrap(), &place).unwrap();
+        let observer = Observer::new(&Fast, &Instant::from_unix_seconds(1.6e9).unwrap(), &place).unwrap();
         let frame = StarFrame::new(&observer);
         let sun = observer.apparent(crate::Body::Sun).unwrap();
         for star in Catalogue::embedded().stars().iter().step_by(7) {

@@ -48,18 +48,14 @@ impl Star {
         let place = DVec3::new(cos_dec * cos_ra, cos_dec * sin_ra, sin_dec);
         let east = DVec3::new(-sin_ra, cos_ra, 0.0);
         let north = DVec3::new(-sin_dec * cos_ra, -sin_dec * sin_ra, cos_dec);
-        (
-            place,
-            east * self.motion_ra_rad_per_year + north * self.motion_dec_rad_per_year,
-        )
+        (place, east * self.motion_ra_rad_per_year + north * self.motion_dec_rad_per_year)
     }
 
     /// Natural direction from an observer: motion since the epoch and parallax.
     ///
     /// p ∝ p₀ + v Δt − π r/au   [sofa2021, `iauPmpx`, without radial velocity and Rømer's 8 minutes of proper motion]
     pub fn direction(&self, tdb: JulianDateTdb, observer_m: DVec3) -> DVec3 {
-        let years =
-            2000.0 + (tdb.jd() - crate::constants::J2000_JD) / DAYS_PER_YEAR - self.epoch_year;
+        let years = 2000.0 + (tdb.jd() - crate::constants::J2000_JD) / DAYS_PER_YEAR - self.epoch_year;
         let (place, velocity) = self.place_and_velocity();
         (place + velocity * years - observer_m * (self.parallax_rad / AU_M)).normalize()
     }
