@@ -9,6 +9,7 @@ mod solar_eclipse;
 pub use lunar_eclipse::{LunarEclipse, LunarEclipseKind, ShadowConvention, lunar_eclipses};
 pub use phases::{MoonPhase, PhaseEvent, moon_phases};
 pub use rise_set::{Crossing, CrossingKind, Horizon, Transit, crossings, transits};
+pub(crate) use solar_eclipse::covered_part;
 pub use solar_eclipse::{SolarEclipse, SolarEclipseKind, SolarMoment, solar_eclipses};
 
 use crate::error::{AstroError, Result};
