@@ -9,7 +9,7 @@ from pathlib import Path
 
 import erfa
 import numpy as np
-from scipy.optimize import brentq, minimize_scalar
+from scipy.optimize import brentq
 
 from truth_apparatus import AU_KM, CHAIN, C_KM_D, EARTH, apparent, state
 
@@ -78,13 +78,11 @@ with open(target / "lunar_eclipses.csv", "w") as f:
         if min(shadow(guess + x)[0] for x in (-0.6, -0.3, 0, 0.3, 0.6)) > 0.075:
             continue
         coarse = min(np.arange(guess - 0.8, guess + 0.8, 0.05), key=lambda t: shadow(t)[0])
-        r = minimize_scalar(lambda t: shadow(t)[0] ** 2, bounds=(coarse - 0.05, coarse + 0.05), method="bounded",
-                            options={"xatol": 1e-6})
-        if r.fun > 0.035**2:
+        # The derivative's zero: a minimiser alone finds it only to seconds.
+        if shadow(coarse)[0] > 0.04:
             continue
-        # The derivative's zero, which a minimiser alone finds only to seconds.
         slope = lambda t: shadow(t + 0.002)[0] ** 2 - shadow(t - 0.002)[0] ** 2
-        t0 = brentq(slope, r.x - 0.02, r.x + 0.02, xtol=1e-9)
+        t0 = brentq(slope, coarse - 0.06, coarse + 0.06, xtol=1e-9)
         if not 2433282.5 <= t0 <= 2469807.5:
             continue
         d, u, p, m = shadow(t0)
