@@ -35,6 +35,15 @@ enum Command {
     Bench(commands::bench::Args),
 }
 
+/// Prints a line. A reader that has left (`himmel params | head`) is no error.
+#[macro_export]
+macro_rules! out {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
+
 /// Why a command ended: 2 for bad usage, 1 for everything else.
 pub struct Failure {
     code: u8,

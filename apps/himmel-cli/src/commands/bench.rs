@@ -5,7 +5,7 @@ use std::time::Instant;
 use himmel::{Gpu, Output, SkyModel};
 
 use super::scene::SceneArgs;
-use crate::Failure;
+use crate::{Failure, out};
 
 /// Arguments of `himmel bench`.
 #[derive(clap::Args)]
@@ -47,17 +47,17 @@ pub fn run(args: &Args, _quiet: bool) -> Result<(), Failure> {
             "table_bytes": table_bytes,
             "tables_cpu_s": tables_s,
         });
-        println!("{}", serde_json::to_string_pretty(&json).map_err(|e| Failure::failed(e.to_string()))?);
+        out!("{}", serde_json::to_string_pretty(&json).map_err(|e| Failure::failed(e.to_string()))?);
         return Ok(());
     }
-    println!("adapter   {}", gpu.report());
-    println!("frame     {width}×{height}, {} samples per pixel, median of {} frames", scene.air.steps, args.frames);
+    out!("adapter   {}", gpu.report());
+    out!("frame     {width}×{height}, {} samples per pixel, median of {} frames", scene.air.steps, args.frames);
     if times.passes.is_empty() {
-        println!("passes    not measured: the adapter offers no time stamps; {:.1} ms a frame with read-back", wall_s * 1e3 / f64::from(args.frames + 1));
+        out!("passes    not measured: the adapter offers no time stamps; {:.1} ms a frame with read-back", wall_s * 1e3 / f64::from(args.frames + 1));
     }
     for (label, ms) in &times.passes {
-        println!("  {label:<18} {ms:>8.3} ms");
+        out!("  {label:<18} {ms:>8.3} ms");
     }
-    println!("tables    {:.2} MiB on the GPU; {:.0} ms of CPU after an edit of the air, none when the Sun moves", table_bytes as f64 / f64::from(1 << 20), tables_s * 1e3);
+    out!("tables    {:.2} MiB on the GPU; {:.0} ms of CPU after an edit of the air, none when the Sun moves", table_bytes as f64 / f64::from(1 << 20), tables_s * 1e3);
     Ok(())
 }

@@ -2,7 +2,7 @@
 
 use himmel::Gpu;
 
-use crate::Failure;
+use crate::{Failure, out};
 
 /// Arguments of `himmel info`.
 #[derive(clap::Args)]
@@ -47,26 +47,26 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             "presets": himmel::parts::air::preset::names().collect::<Vec<_>>(),
             "data": DATA.map(|(what, licence)| serde_json::json!({ "what": what, "licence": licence })),
         });
-        println!("{}", serde_json::to_string_pretty(&json).map_err(|e| Failure::failed(e.to_string()))?);
+        out!("{}", serde_json::to_string_pretty(&json).map_err(|e| Failure::failed(e.to_string()))?);
         return Ok(());
     }
-    println!("himmel {}", env!("CARGO_PKG_VERSION"));
-    println!("adapter   {report}");
+    out!("himmel {}", env!("CARGO_PKG_VERSION"));
+    out!("adapter   {report}");
     for other in adapters.iter().filter(|other| **other != report) {
-        println!("also      {other}   (--adapter)");
+        out!("also      {other}   (--adapter)");
     }
     let stamps = gpu.device.features().contains(himmel::wgpu::Features::TIMESTAMP_QUERY);
-    println!(
+    out!(
         "limits    textures to {}², buffers to {} MiB, {} bind groups, pass times {}",
         limits.max_texture_dimension_2d,
         limits.max_buffer_size >> 20,
         limits.max_bind_groups,
         if stamps { "measured" } else { "not offered" }
     );
-    println!("presets   {}", himmel::parts::air::preset::names().collect::<Vec<_>>().join(", "));
-    println!("data");
+    out!("presets   {}", himmel::parts::air::preset::names().collect::<Vec<_>>().join(", "));
+    out!("data");
     for (what, licence) in DATA {
-        println!("  {what}: {licence}");
+        out!("  {what}: {licence}");
     }
     Ok(())
 }

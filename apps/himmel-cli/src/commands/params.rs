@@ -3,7 +3,7 @@
 use himmel::Scene;
 use himmel::params::Value;
 
-use crate::Failure;
+use crate::{Failure, out};
 
 /// Arguments of `himmel params`.
 #[derive(clap::Args)]
@@ -38,18 +38,18 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 })
             })
             .collect();
-        println!("{}", serde_json::to_string_pretty(&rows).map_err(|e| Failure::failed(e.to_string()))?);
+        out!("{}", serde_json::to_string_pretty(&rows).map_err(|e| Failure::failed(e.to_string()))?);
         return Ok(());
     }
     let mut table = "";
     for info in all {
         if info.table != table {
             table = info.table;
-            println!("{}[{table}]", if table.is_empty() { "" } else { "\n" });
+            out!("{}[{table}]", if table.is_empty() { "" } else { "\n" });
         }
         let unit = if info.unit.is_empty() { String::new() } else { format!(" {}", info.unit) };
-        println!("{} = {}{unit}   ({})", info.key(), info.default, info.accepts());
-        println!("    {}", info.sentence);
+        out!("{} = {}{unit}   ({})", info.key(), info.default, info.accepts());
+        out!("    {}", info.sentence);
     }
     Ok(())
 }

@@ -8,7 +8,7 @@ use himmel::{Exposure, Gpu, Output, SkyModel};
 use serde::Serialize;
 
 use super::scene::SceneArgs;
-use crate::Failure;
+use crate::{Failure, out};
 use crate::progress::Progress;
 
 /// Arguments of `himmel render`.
@@ -116,13 +116,13 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         seconds: started.elapsed().as_secs_f64(),
     };
     if args.json {
-        println!("{}", serde_json::to_string_pretty(&report).map_err(|e| Failure::failed(e.to_string()))?);
+        out!("{}", serde_json::to_string_pretty(&report).map_err(|e| Failure::failed(e.to_string()))?);
         return Ok(());
     }
-    println!("place        {} ({:.4}°, {:.4}°), {:.0} m", report.place, report.latitude_deg, report.longitude_deg, report.altitude_m);
-    println!("time         {} · {}", report.local_time, report.utc);
-    println!("sun          azimuth {:.2}°, altitude {:.2}° ({:.2}° without air)", sun.azimuth_deg, sun.altitude_deg, sun.airless_altitude_deg);
-    println!(
+    out!("place        {} ({:.4}°, {:.4}°), {:.0} m", report.place, report.latitude_deg, report.longitude_deg, report.altitude_m);
+    out!("time         {} · {}", report.local_time, report.utc);
+    out!("sun          azimuth {:.2}°, altitude {:.2}° ({:.2}° without air)", sun.azimuth_deg, sun.altitude_deg, sun.airless_altitude_deg);
+    out!(
         "illuminance  {} lx on level ground ({} from the Sun, {} from the sky; light scattered once)",
         lux(report.horizontal_illuminance_lx),
         lux(report.horizontal_illuminance_lx - report.sky_illuminance_lx),
@@ -130,13 +130,13 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     );
     let how = if scene.output.exposure == Exposure::Auto { "metered" } else { "fixed" };
     match (report.exposure_ev100, report.tonemap) {
-        (Some(ev100), Some(tonemap)) => println!("exposure     EV {ev100:.2} ({how}), {tonemap}"),
-        (Some(ev100), None) => println!("exposure     EV {ev100:.2} ({how}), linear"),
-        (None, _) => println!("exposure     none: cd/m²"),
+        (Some(ev100), Some(tonemap)) => out!("exposure     EV {ev100:.2} ({how}), {tonemap}"),
+        (Some(ev100), None) => out!("exposure     EV {ev100:.2} ({how}), linear"),
+        (None, _) => out!("exposure     none: cd/m²"),
     }
-    println!("atmosphere   {} — {}", report.preset, model.preset().title);
-    println!("adapter      {}", report.adapter);
-    println!("picture      {} ({}×{}) in {:.2} s", report.file, report.width_px, report.height_px, report.seconds);
+    out!("atmosphere   {} — {}", report.preset, model.preset().title);
+    out!("adapter      {}", report.adapter);
+    out!("picture      {} ({}×{}) in {:.2} s", report.file, report.width_px, report.height_px, report.seconds);
     Ok(())
 }
 
