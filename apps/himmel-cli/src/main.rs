@@ -1,1 +1,101 @@
-fn main(){}
+//! `himmel`: skies as pictures and numbers.
+
+mod commands;
+mod progress;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+/// The sky of any place and time, physically right.
+#[derive(Parser)]
+#[command(
+    name = "himmel",
+    version,
+    max_term_width = 110,
+    after_help = "Examples:\n  himmel render --place Potsdam --time 2012-09-06T20:00 -o sky.png\n  himmel params\n  himmel info"
+)]
+struct Cli {
+    /// Print nothing but errors (and data that was asked for).
+    #[arg(long, global = true)]
+    quiet: bool,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Render a picture of the sky.
+    Render(commands::render::Args),
+    /// List every parameter: name, unit, range, default, meaning.
+    Params(commands::params::Args),
+    /// Name the GPU adapter, its limits, and the data sets with their licences.
+    Info(commands::info::Args),
+    /// Measure the renderer: medians per pass, memory of the tables.
+    Bench(commands::bench::Args),
+}
+
+/// Prints a line. A reader that has left (`himmel params | head`) is no error.
+#[macro_export]
+macro_rules! out {
+    ($($text:tt)*) => {{
+        use std::io::Write as _;
+        let _ = writeln!(std::io::stdout(), $($text)*);
+    }};
+}
+
+/// Why a command ended: 2 for bad usage, 1 for everything else.
+pub struct Failure {
+    code: u8,
+    message: String,
+}
+
+impl Failure {
+    /// The command line asks for something that cannot be.
+    pub fn usage(message: impl Into<String>) -> Self {
+        Self { code: 2, message: message.into() }
+    }
+
+    /// It was well asked, and did not work.
+    pub fn failed(message: impl Into<String>) -> Self {
+        Self { code: 1, message: message.into() }
+    }
+}
+
+impl From<himmel::Error> for Failure {
+    fn from(error: himmel::Error) -> Self {
+        use himmel::Error as E;
+        let code = match error {
+            E::Place(_) | E::Time { .. } | E::Look(_) | E::Camera(_) | E::Param(_) | E::Gpu(himmel::GpuError::Size { .. }) => 2,
+            _ => 1,
+        };
+        Self { code, message: error.to_string() }
+    }
+}
+
+impl From<himmel::GpuError> for Failure {
+    fn from(error: himmel::GpuError) -> Self {
+        himmel::Error::from(error).into()
+    }
+}
+
+fn main() -> ExitCode {
+    // Warnings only, unless HIMMEL_LOG asks for more: info, debug, himmel_gpu=trace.
+    let filter = tracing_subscriber::EnvFilter::try_from_env("HIMMEL_LOG")
+        .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("error,himmel=warn,himmel_gpu=warn"));
+    tracing_subscriber::fmt().with_env_filter(filter).with_writer(std::io::stderr).without_time().init();
+    let cli = Cli::parse();
+    let result = match cli.command {
+        Command::Render(args) => commands::render::run(&args, cli.quiet),
+        Command::Params(args) => commands::params::run(&args),
+        Command::Info(args) => commands::info::run(&args),
+        Command::Bench(args) => commands::bench::run(&args, cli.quiet),
+    };
+    match result {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(Failure { code, message }) => {
+            eprintln!("himmel: {message}");
+            ExitCode::from(code)
+        }
+    }
+}

@@ -94,7 +94,10 @@ struct ComponentTable {
 #[serde(rename_all = "snake_case")]
 enum CrossSection {
     Air,
+    /// The table's averages over [λ, λ + 10 nm), each at the middle of its bin.
     Ozone,
+    /// The same numbers at the printed λ, as published comparisons read them.
+    OzoneAsPrinted,
 }
 
 #[derive(Deserialize)]
@@ -257,10 +260,11 @@ impl Check<'_> {
                         let value = wavelength_nm.iter().map(|&nm| air_cross_section_m2(nm)).collect();
                         Spectrum::Table { wavelength_nm, value }
                     }
-                    CrossSection::Ozone => {
+                    CrossSection::Ozone | CrossSection::OzoneAsPrinted => {
                         let csv = include_str!("../../../assets/air/ozone_cross_section.csv");
                         let (wavelength_nm, value) = read_columns(csv, 0, 1);
-                        Spectrum::Table { wavelength_nm, value }
+                        let shift = if kind == CrossSection::Ozone { 5.0 } else { 0.0 };
+                        Spectrum::Table { wavelength_nm: wavelength_nm.iter().map(|nm| nm + shift).collect(), value }
                     }
                 };
                 let phase = (kind == CrossSection::Air).then_some(Phase::Rayleigh { gamma: AIR_GAMMA });

@@ -345,7 +345,7 @@ macro_rules! params {
                     _ => None,
                 }
             }
-            fn set(&mut self, name: &str, value: &$crate::params::Value) -> Result<(), $crate::params::ParamError> {
+            fn set(&mut self, name: &str, value: &$crate::params::Value) -> ::core::result::Result<(), $crate::params::ParamError> {
                 use $crate::params::{nearest, shorten, ParamError, ParamType};
                 let Some(info) = Self::describe_one(name) else {
                     let suggestion = nearest(name, [$( stringify!($name) ),+]);
@@ -403,7 +403,7 @@ macro_rules! choices {
             fn from_value(
                 value: &$crate::params::Value,
                 info: &$crate::params::ParamInfo,
-            ) -> Result<Self, $crate::params::ParamError> {
+            ) -> ::core::result::Result<Self, $crate::params::ParamError> {
                 let text = match value {
                     $crate::params::Value::Text(text) => text.as_str(),
                     _ => "",

@@ -51,8 +51,15 @@ impl std::fmt::Display for AdapterReport {
     }
 }
 
-fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+/// Adapters of the modern back ends; of OpenGL only where there are no others (its drivers print to the terminal).
+fn adapters() -> Vec<wgpu::Adapter> {
+    let of = |backends| {
+        let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+        descriptor.backends &= backends;
+        pollster::block_on(wgpu::Instance::new(descriptor).enumerate_adapters(backends))
+    };
+    let modern = of(wgpu::Backends::PRIMARY);
+    if modern.is_empty() { of(wgpu::Backends::GL) } else { modern }
 }
 
 impl Gpu {
@@ -60,8 +67,7 @@ impl Gpu {
     ///
     /// Asks for no feature that WebGPU does not guarantee; takes time stamps where they are offered.
     pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
-        let instance = instance();
-        let adapters = pollster::block_on(instance.enumerate_adapters(wgpu::Backends::all()));
+        let adapters = adapters();
         let names: Vec<String> = adapters.iter().map(|adapter| AdapterReport::of(&adapter.get_info()).to_string()).collect();
         let rank = |adapter: &wgpu::Adapter| {
             let info = adapter.get_info();
@@ -72,7 +78,7 @@ impl Gpu {
                 wgpu::DeviceType::Cpu => 3,
                 wgpu::DeviceType::Other => 4,
             };
-            (kind, info.backend == wgpu::Backend::Gl)
+            kind
         };
         let fits = |adapter: &wgpu::Adapter| {
             wanted.is_none_or(|wanted| adapter.get_info().name.to_lowercase().contains(&wanted.to_lowercase()))
@@ -106,10 +112,7 @@ impl Gpu {
 
     /// Every adapter of this machine.
     pub fn adapters() -> Vec<AdapterReport> {
-        pollster::block_on(instance().enumerate_adapters(wgpu::Backends::all()))
-            .iter()
-            .map(|adapter| AdapterReport::of(&adapter.get_info()))
-            .collect()
+        adapters().iter().map(|adapter| AdapterReport::of(&adapter.get_info())).collect()
     }
 
     /// Waits for all submitted work; an error if the device was lost meanwhile.

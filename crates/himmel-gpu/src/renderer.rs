@@ -47,6 +47,9 @@ pub struct FrameState {
     pub steps: u32,
 }
 
+/// Coefficients of a disc that is equally bright everywhere.
+const EVEN_DISC: [[f32; 4]; 6] = [[1.0; 4], [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]];
+
 /// Views that buffers hold at first; more make them grow once.
 const FIRST_CAPACITY: usize = 8;
 /// Most views of a frame: keeps the buffer below WebGPU's guaranteed 64 KiB of dynamic offsets many times over.
@@ -153,13 +156,14 @@ impl SkyRenderer {
     pub fn set_atmosphere(&mut self, queue: &wgpu::Queue, atmosphere: &Atmosphere) {
         self.tables.upload(queue, atmosphere);
         let [r, g, b] = atmosphere.rec709_from_four().map(|row| row.as_vec4().to_array());
-        let exponents = atmosphere.wavelengths_nm().map(|nm| sun::limb_darkening_exponent(nm) as f32);
+        let coefficients = atmosphere.wavelengths_nm().map(sun::limb_darkening);
+        let limb_darkening = std::array::from_fn(|k| coefficients.map(|c| c[k] as f32));
         self.air = FrameUniform {
             rec709_from_four_r: r,
             rec709_from_four_g: g,
             rec709_from_four_b: b,
             ground_albedo: atmosphere.sampled().ground_albedo.map(|albedo| albedo as f32),
-            limb_darkening: exponents,
+            limb_darkening,
             bottom_radius_m: atmosphere.medium().bottom_radius_m as f32,
             top_altitude_m: atmosphere.medium().top_altitude_m as f32,
             ..FrameUniform::default()
@@ -226,7 +230,7 @@ impl SkyRenderer {
             dither_levels: if frame.output.dither { self.target.levels() } else { 0.0 },
             largest: self.target.largest().unwrap_or(1.0),
             compensation: compensation as f32,
-            limb_darkening: if frame.sun.limb_darkening { self.air.limb_darkening } else { [0.0; 4] },
+            limb_darkening: if frame.sun.limb_darkening { self.air.limb_darkening } else { EVEN_DISC },
             ..self.air
         };
         self.write(encoder, self.frame_buffer.clone(), 0, bytemuck::bytes_of(&uniform));

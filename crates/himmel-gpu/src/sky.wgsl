@@ -80,10 +80,11 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     }
     // At the seam of an equirectangular picture the difference is the whole circle: no pixel is larger than 0.2.
     var luminance = sky_luminance(look, min(pixel, 0.2));
-    var exposure = frame.exposure;
     if metering {
-        exposure = 1.0;
-    } else if exposure == 0.0 {
+        return vec4f(luminance, 1.0);
+    }
+    var exposure = frame.exposure;
+    if exposure == 0.0 {
         exposure = textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
     }
     luminance *= exposure;

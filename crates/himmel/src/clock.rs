@@ -76,7 +76,7 @@ impl Clock {
         let midnight = date.to_datetime(jiff::civil::Time::midnight());
         let span = jiff::SignedDuration::try_from_secs_f64(fraction * 86_400.0).map_err(|e| reason(&e.to_string()))?;
         let civil = midnight.checked_add(span).map_err(|e| reason(&e.to_string()))?;
-        self.now = civil.to_zoned(zone.clone()).map_err(|e| reason(&e.to_string()))?.timestamp();
+        self.now = zone.to_timestamp(civil).map_err(|e| reason(&e.to_string()))?;
         Ok(())
     }
 
@@ -154,7 +154,7 @@ pub fn parse_time(text: &str, zone: &TimeZone) -> Result<Timestamp> {
         return Err(error(reason.lines().collect::<Vec<_>>().join(" ")));
     }
     let civil: DateTime = text.parse().map_err(|e: jiff::Error| error(e.to_string().lines().collect::<Vec<_>>().join(" ")))?;
-    Ok(civil.to_zoned(zone.clone()).map_err(|e| error(e.to_string()))?.timestamp())
+    Ok(zone.to_timestamp(civil).map_err(|e| error(e.to_string()))?)
 }
 
 #[cfg(test)]

@@ -42,6 +42,8 @@ pub use observer::Observer;
 pub use scene::{CameraParams, ClockParams, ObserverParams, ProjectionKind, Scene};
 pub use sky::Sky;
 
+pub use wgpu;
+
 /// The crates that this one joins, for those who want to go deeper.
 pub mod parts {
     pub use himmel_air as air;

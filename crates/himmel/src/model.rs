@@ -261,7 +261,7 @@ impl SkyModel {
 
     /// The instant as the place's clock shows it.
     pub fn local_time(&self) -> String {
-        self.clock.now().to_zoned(self.observer.time_zone.clone()).strftime("%Y-%m-%d %H:%M:%S %Z").to_string()
+        self.clock.now().to_zoned_datetime(self.observer.time_zone.clone()).strftime("%Y-%m-%d %H:%M:%S %Z").to_string()
     }
 
     /// The instant.

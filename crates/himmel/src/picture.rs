@@ -106,6 +106,18 @@ pub fn pass_medians(gpu: &Gpu, model: &SkyModel, output: Output, frames: usize) 
 /// Writes a picture under a temporary name in the same folder and renames it: a file is there whole or not at all.
 pub fn save(picture: &Picture, path: &Path) -> Result<()> {
     let format = FileFormat::of(path)?;
+    write_whole(path, |writer| encode(picture, format, writer))
+}
+
+/// Writes a text in the same way.
+pub fn save_text(text: &str, path: &Path) -> Result<()> {
+    write_whole(path, |writer| writer.write_all(text.as_bytes()).map_err(|e| e.to_string()))
+}
+
+fn write_whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<tempfile::NamedTempFile>) -> std::result::Result<(), String>,
+) -> Result<()> {
     let error = |reason: String| Error::Write { path: path.into(), reason };
     let mut builder = tempfile::Builder::new();
     builder.prefix(".himmel-").suffix(".tmp");
@@ -117,7 +129,7 @@ pub fn save(picture: &Picture, path: &Path) -> Result<()> {
     }
     let file = builder.tempfile_in(folder_of(path)).map_err(|e| error(e.to_string()))?;
     let mut writer = BufWriter::new(file);
-    encode(picture, format, &mut writer).map_err(&error)?;
+    write(&mut writer).map_err(&error)?;
     writer.flush().map_err(|e| error(e.to_string()))?;
     let file = writer.into_inner().map_err(|e| error(e.to_string()))?;
     file.as_file().sync_all().map_err(|e| error(e.to_string()))?;

@@ -7,8 +7,8 @@ struct FrameUniform {
     rec709_from_four_g: vec4f,
     rec709_from_four_b: vec4f,
     ground_albedo: vec4f,
-    // Exponents of the Sun's limb darkening.
-    limb_darkening: vec4f,
+    // Coefficients of the Sun's limb darkening: Σ c_k µ^k relative to the mean.
+    limb_darkening: array<vec4f, 6>,
     bottom_radius_m: f32,
     top_altitude_m: f32,
     // Irradiance of the Sun relative to 1 au.

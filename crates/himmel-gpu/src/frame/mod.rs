@@ -13,8 +13,8 @@ gpu_struct! {
         pub rec709_from_four_b: [f32; 4],
         /// Ground albedo at the four wavelengths.
         pub ground_albedo: [f32; 4],
-        /// Limb-darkening exponents at the four wavelengths.
-        pub limb_darkening: [f32; 4],
+        /// Limb-darkening coefficients at the four wavelengths.
+        pub limb_darkening: [[f32; 4]; 6],
         /// Radius of the ground, m.
         pub bottom_radius_m: f32,
         /// Altitude of the top of the air, m.

@@ -66,8 +66,8 @@ fn tonemap_neutral(colour: vec3f) -> vec3f {
     return srgb_encode(clamp(shifted, vec3f(0.0), vec3f(1.0)));
 }
 
-fn tonemap(operator: u32, colour: vec3f) -> vec3f {
-    switch operator {
+fn tonemap(mapper: u32, colour: vec3f) -> vec3f {
+    switch mapper {
         case 0u: { return tonemap_linear(colour); }
         case 1u: { return tonemap_reinhard(colour); }
         case 2u: { return tonemap_hejl(colour); }

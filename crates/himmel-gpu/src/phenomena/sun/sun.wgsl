@@ -3,12 +3,12 @@
 //#include "frame/frame.wgsl"
 
 // Brightness of the disc relative to its mean at a distance from its centre in radii, for four wavelengths.
-fn relative_disc_brightness(radius_fraction: f32, exponent: vec4f) -> vec4f {
+fn relative_disc_brightness(radius_fraction: f32, c: array<vec4f, 6>) -> vec4f {
     if radius_fraction > 1.0 {
         return vec4f(0.0);
     }
     let mu = sqrt(1.0 - radius_fraction * radius_fraction);
-    return 0.5 * (exponent + 2.0) * pow(vec4f(max(mu, 1e-4)), exponent);
+    return c[0] + mu * (c[1] + mu * (c[2] + mu * (c[3] + mu * (c[4] + mu * c[5]))));
 }
 
 // Radiance of the disc per unit irradiance of the Sun, 1/sr. `ray`: unit vector in view space; `pixel`: angle that

@@ -1,0 +1,7 @@
+//! One file for each subcommand.
+
+pub mod bench;
+pub mod info;
+pub mod params;
+pub mod render;
+pub mod scene;

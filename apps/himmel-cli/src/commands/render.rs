@@ -1,0 +1,150 @@
+//! `himmel render`
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use himmel::picture::{FileFormat, check_writable, render, save};
+use himmel::{Exposure, Gpu, Output, SkyModel};
+use serde::Serialize;
+
+use super::scene::SceneArgs;
+use crate::{Failure, out};
+use crate::progress::Progress;
+
+/// Arguments of `himmel render`.
+#[derive(clap::Args)]
+#[command(after_help = "Examples:
+  himmel render --place Potsdam --time 2012-09-06T20:00 -o sunset.png
+  himmel render --place 52.39,13.06 --time 2012-09-06T16:00Z --look sun --fov 40 -o sun.exr
+  himmel render --preset mars-reference --look sun --fov 30 -o mars.png
+  himmel render --place Paranal --projection equirect --size 4096x2048 -o environment.hdr
+  himmel render --altitude 400000 --look W,-20 --set light.sun.altitude_deg=5 -o orbit.png")]
+pub struct Args {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The picture: .png or .jpg (finished), .exr or .hdr (linear, cd/m² unless --exposure says otherwise).
+    #[arg(short, long, value_name = "FILE")]
+    output: PathBuf,
+    /// Write the whole scene as a file too, for --scene.
+    #[arg(long, value_name = "FILE.toml")]
+    save_scene: Option<PathBuf>,
+    /// Print the report as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What was shown.
+#[derive(Serialize)]
+struct Report {
+    file: String,
+    width_px: u32,
+    height_px: u32,
+    place: String,
+    latitude_deg: f64,
+    longitude_deg: f64,
+    altitude_m: f64,
+    local_time: String,
+    utc: String,
+    preset: String,
+    look_azimuth_deg: f64,
+    look_altitude_deg: f64,
+    sun_azimuth_deg: f64,
+    sun_altitude_deg: f64,
+    sun_airless_altitude_deg: f64,
+    horizontal_illuminance_lx: f64,
+    sun_illuminance_lx: f64,
+    sky_illuminance_lx: f64,
+    exposure_ev100: Option<f64>,
+    exposure_factor: f64,
+    tonemap: Option<&'static str>,
+    solver: &'static str,
+    adapter: String,
+    seconds: f64,
+}
+
+/// Runs it.
+pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
+    let started = Instant::now();
+    let mut scene = args.scene.scene()?;
+    check_writable(&args.output)?;
+    let format = FileFormat::of(&args.output)?;
+    // Linear files hold physical luminance unless someone asks for another exposure.
+    if format.output() == Output::Radiance && scene.output.exposure == Exposure::Auto && args.scene.exposure.is_none() {
+        scene.output.exposure = Exposure::None;
+    }
+    let model = SkyModel::new(&scene)?;
+    model.view()?;
+    let gpu = Gpu::open(args.scene.adapter.as_deref())?;
+    let progress = Progress::new("rendering", quiet);
+    let picture = render(&gpu, &model, format.output(), &mut |share| progress.update(share))?;
+    if !progress.update(1.0) {
+        return Err(himmel::GpuError::Cancelled.into());
+    }
+    drop(progress);
+    save(&picture, &args.output)?;
+    if let Some(path) = &args.save_scene {
+        himmel::picture::save_text(&scene.to_toml(), path)?;
+    }
+    if quiet {
+        return Ok(());
+    }
+    let (sun, light, look) = (model.sun()?, model.light()?, model.look_deg()?);
+    let report = Report {
+        file: args.output.display().to_string(),
+        width_px: picture.width,
+        height_px: picture.height,
+        place: model.observer().name.clone(),
+        latitude_deg: model.observer().latitude_deg,
+        longitude_deg: model.observer().longitude_deg,
+        altitude_m: model.altitude_m(),
+        local_time: model.local_time(),
+        utc: model.utc().to_string(),
+        preset: scene.preset.clone(),
+        look_azimuth_deg: look.0,
+        look_altitude_deg: look.1,
+        sun_azimuth_deg: sun.azimuth_deg,
+        sun_altitude_deg: sun.altitude_deg,
+        sun_airless_altitude_deg: sun.airless_altitude_deg,
+        horizontal_illuminance_lx: light.horizontal_illuminance_lx(),
+        sun_illuminance_lx: light.sun.illuminance_lx,
+        sky_illuminance_lx: light.sky_illuminance_lx,
+        exposure_ev100: (scene.output.exposure != Exposure::None).then_some(picture.ev100),
+        exposure_factor: picture.exposure,
+        tonemap: (format.output() == Output::Display).then(|| scene.output.tonemap.word()),
+        solver: "gpu, first-order scattering",
+        adapter: gpu.report().to_string(),
+        seconds: started.elapsed().as_secs_f64(),
+    };
+    if args.json {
+        out!("{}", serde_json::to_string_pretty(&report).map_err(|e| Failure::failed(e.to_string()))?);
+        return Ok(());
+    }
+    out!("place        {} ({:.4}°, {:.4}°), {:.0} m", report.place, report.latitude_deg, report.longitude_deg, report.altitude_m);
+    out!("time         {} · {}", report.local_time, report.utc);
+    out!("sun          azimuth {:.2}°, altitude {:.2}° ({:.2}° without air)", sun.azimuth_deg, sun.altitude_deg, sun.airless_altitude_deg);
+    out!(
+        "illuminance  {} lx on level ground ({} from the Sun, {} from the sky; light scattered once)",
+        lux(report.horizontal_illuminance_lx),
+        lux(report.horizontal_illuminance_lx - report.sky_illuminance_lx),
+        lux(report.sky_illuminance_lx)
+    );
+    let how = if scene.output.exposure == Exposure::Auto { "metered" } else { "fixed" };
+    match (report.exposure_ev100, report.tonemap) {
+        (Some(ev100), Some(tonemap)) => out!("exposure     EV {ev100:.2} ({how}), {tonemap}"),
+        (Some(ev100), None) => out!("exposure     EV {ev100:.2} ({how}), linear"),
+        (None, _) => out!("exposure     none: cd/m²"),
+    }
+    out!("atmosphere   {} — {}", report.preset, model.preset().title);
+    out!("adapter      {}", report.adapter);
+    out!("picture      {} ({}×{}) in {:.2} s", report.file, report.width_px, report.height_px, report.seconds);
+    Ok(())
+}
+
+/// Three digits, for people.
+fn lux(value: f64) -> String {
+    match value {
+        v if v >= 100.0 => format!("{v:.0}"),
+        v if v >= 0.01 || v == 0.0 => format!("{v:.2}"),
+        v => format!("{v:.1e}"),
+    }
+}
