@@ -43,6 +43,15 @@ impl BodyDay {
         }
     }
 
+    /// For a twilight's limit: `begins or ends`, `lasts all day` (the Sun stays above it: no night of that kind), `never reached`.
+    pub fn twilight_words(self) -> &'static str {
+        match self {
+            Self::Crosses => "begins or ends",
+            Self::AlwaysUp => "lasts all day",
+            Self::AlwaysDown => "never reached",
+        }
+    }
+
     /// For the Moon: `rises or sets`, `always up`, `always down`.
     pub fn moon_words(self) -> &'static str {
         match self {
