@@ -96,7 +96,8 @@ pub fn date(text: &str) -> Result<Date, Failure> {
 
 /// The instant at which a day begins.
 pub fn midnight(day: Date, zone: &TimeZone) -> Result<Instant, Failure> {
-    let start = zone.to_timestamp(day.to_datetime(jiff::civil::Time::midnight())).map_err(|e| Failure::usage(e.to_string()))?;
+    let start =
+        zone.to_timestamp(day.to_datetime(jiff::civil::Time::midnight())).map_err(|e| Failure::usage(e.to_string()))?;
     Instant::from_unix_seconds(start.as_second() as f64).map_err(usage)
 }
 
@@ -120,7 +121,8 @@ fn object(day: Date, site: &himmel::Observer, zone: &TimeZone, found: &Almanac) 
             phase
         }).collect::<Vec<_>>(),
     });
-    for (name, twilight) in ["civil_twilight", "nautical_twilight", "astronomical_twilight"].iter().zip(found.twilights) {
+    for (name, twilight) in ["civil_twilight", "nautical_twilight", "astronomical_twilight"].iter().zip(found.twilights)
+    {
         json[*name] = twilight.twilight_words().into();
     }
     for event in &found.events {

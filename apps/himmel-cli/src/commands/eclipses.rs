@@ -78,7 +78,9 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             };
             lunar_eclipses(ephemeris.as_ref(), span, convention).map_err(usage)?.iter().map(lunar).collect()
         }
-        (Kind::Solar, None) => return Err(Failure::usage("solar eclipses need a place: --place Stuttgart, or --place 48.78,9.18,245")),
+        (Kind::Solar, None) => {
+            return Err(Failure::usage("solar eclipses need a place: --place Stuttgart, or --place 48.78,9.18,245"));
+        }
         (Kind::Solar, Some(place)) => {
             let site = himmel::Observer::at(place)?;
             let place = Place::from_degrees(site.latitude_deg, site.longitude_deg, site.height_m).map_err(usage)?;
@@ -147,7 +149,8 @@ fn solar(e: &SolarEclipse) -> Value {
         "sun_altitude_max_deg": e.greatest.sun_altitude_rad.to_degrees(),
         "sun_azimuth_max_deg": e.greatest.sun_azimuth_rad.to_degrees(),
     });
-    let contacts: [(&str, Option<SolarMoment>); 4] = [("c1", Some(e.c1)), ("c2", e.c2), ("c3", e.c3), ("c4", Some(e.c4))];
+    let contacts: [(&str, Option<SolarMoment>); 4] =
+        [("c1", Some(e.c1)), ("c2", e.c2), ("c3", e.c3), ("c4", Some(e.c4))];
     for (name, contact) in contacts {
         json[name] = contact.map(|m| m.instant.tt().jd()).into();
         json[format!("{name}_utc")] = contact.map(|m| m.instant.to_iso_utc()).into();

@@ -3,9 +3,9 @@
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
+use himmel::parse_time;
 use himmel::parts::astro::query::{Answer, EphemerisTable, Target};
 use himmel::parts::astro::{AirAtObserver, Instant, Observer, Place};
-use himmel::parse_time;
 
 use super::level::Level;
 use crate::{Failure, out};
@@ -52,7 +52,8 @@ pub struct Args {
 
 /// Runs it.
 pub fn run(args: &Args) -> Result<(), Failure> {
-    let air = AirAtObserver::new(args.pressure, args.temperature + 273.15).map_err(|e| Failure::usage(e.to_string()))?;
+    let air =
+        AirAtObserver::new(args.pressure, args.temperature + 273.15).map_err(|e| Failure::usage(e.to_string()))?;
     match (&args.input, &args.body) {
         (Some(input), _) => table(args, input, &air),
         (None, Some(body)) => one(args, body, &air),
@@ -116,7 +117,8 @@ fn table(args: &Args, input: &Path, air: &AirAtObserver) -> Result<(), Failure> 
         Some(record) => text(&record.map_err(broken)?),
         None => return Err(Failure::failed(format!("{} is empty; it needs a header line", input.display()))),
     };
-    let columns = EphemerisTable::from_header(&header).map_err(|e| Failure::failed(format!("{}: {e}", input.display())))?;
+    let columns =
+        EphemerisTable::from_header(&header).map_err(|e| Failure::failed(format!("{}: {e}", input.display())))?;
     // A column that the answer brings replaces one of the same name.
     let kept: Vec<usize> = (0..header.len()).filter(|i| !Answer::COLUMNS.contains(&header[*i].trim())).collect();
     let ephemeris = args.level.open()?;
@@ -160,8 +162,9 @@ fn table(args: &Args, input: &Path, air: &AirAtObserver) -> Result<(), Failure> 
         written.into_inner().map_err(|e| Failure::failed(e.to_string()))?
     };
     match &args.output {
-        Some(path) => std::fs::write(path, bytes)
-            .map_err(|e| Failure::failed(format!("cannot write {}: {e}", path.display())))?,
+        Some(path) => {
+            std::fs::write(path, bytes).map_err(|e| Failure::failed(format!("cannot write {}: {e}", path.display())))?
+        }
         // A reader that has left is no error.
         None => drop(std::io::stdout().write_all(&bytes)),
     }

@@ -18,9 +18,9 @@ impl Level {
     pub fn open(self) -> Result<Box<dyn Ephemeris>, Failure> {
         match self {
             Self::Fast => Ok(Box::new(Fast)),
-            Self::Precise => {
-                Precise::embedded().map(|p| Box::new(p) as Box<dyn Ephemeris>).map_err(|e| Failure::failed(e.to_string()))
-            }
+            Self::Precise => Precise::embedded()
+                .map(|p| Box::new(p) as Box<dyn Ephemeris>)
+                .map_err(|e| Failure::failed(e.to_string())),
         }
     }
 }

@@ -94,7 +94,8 @@ impl SceneArgs {
 fn parse_size(text: &str) -> Result<(u32, u32), Failure> {
     let error = |why: &str| Failure::usage(format!("--size takes WIDTHxHEIGHT in pixels, such as 1280x720; {why}"));
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(|| error(&format!("got \"{text}\"")))?;
-    let side = |text: &str| text.trim().parse::<u32>().map_err(|_| error(&format!("\"{text}\" is no number of pixels")));
+    let side =
+        |text: &str| text.trim().parse::<u32>().map_err(|_| error(&format!("\"{text}\" is no number of pixels")));
     let (width, height) = (side(width)?, side(height)?);
     if width == 0 || height == 0 {
         return Err(error(&format!("a picture needs at least one pixel, got {width}x{height}")));
