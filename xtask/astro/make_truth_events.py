@@ -102,3 +102,68 @@ with open(target / "lunar_eclipses.csv", "w") as f:
                     contact(U, -1), contact(T, -1), contact(T, 1), contact(U, 1), contact(P, 1)])
         count += 1
 print(count, "lunar eclipses")
+
+# Solar eclipses at places: around each new moon of 1950-2050 near a node, places drawn until one sees an eclipse well above the horizon.
+
+
+def discs(tt, dt, lat, lon, h):
+    s, m = (apparent(b, tt, tt - dt / 86400, lat, lon, h) for b in ("sun", "moon"))
+    a1, h1, a2, h2 = (np.radians(x) for x in (s[2], s[3], m[2], m[3]))
+    d = 2 * np.arcsin(np.sqrt(np.sin((h1 - h2) / 2) ** 2 + np.cos(h1) * np.cos(h2) * np.sin((a1 - a2) / 2) ** 2))
+    return d, np.arcsin(695700 / s[4]), np.arcsin(1737.4 / m[4]), s[3]
+
+
+with open(target / "solar_eclipses.csv", "w") as f:
+    w = csv.writer(f, lineterminator="\n")
+    w.writerow(["latitude_deg", "longitude_deg", "height_m", "delta_t_s", "max_jd_tt", "type", "magnitude", "c1", "c2", "c3", "c4"])
+    k, count, kinds = -620.0, 0, {}
+    while count < 40:
+        k += 1
+        guess = 2451550.09766 + 29.530588861 * k
+        grid = [guess + x for x in np.arange(-0.7, 0.71, 0.1)]
+        sep = [2 * np.arcsin(np.linalg.norm(geocentric("moon", t)[0] - geocentric("sun", t)[0]) / 2) for t in grid]
+        if min(sep) > 0.017:
+            continue
+        conjunction = grid[int(np.argmin(sep))]
+        for _ in range(40):
+            lat = round(np.degrees(np.arcsin(rng.uniform(-0.95, 0.95))), 4)
+            lon, h, dt = round(rng.uniform(-180, 180), 4), round(rng.uniform(0, 2000), 1), round(rng.uniform(30, 70), 2)
+            times = conjunction + np.arange(-0.2, 0.2, 1 / 96)
+            ds = [discs(t, dt, lat, lon, h) for t in times]
+            i = int(np.argmin([d[0] for d in ds]))
+            if 0 < i < len(ds) - 1 and ds[i][0] < 0.75 * (ds[i][1] + ds[i][2]) and ds[i][3] > 15:
+                slope = lambda t: discs(t + 0.002, dt, lat, lon, h)[0] ** 2 - discs(t - 0.002, dt, lat, lon, h)[0] ** 2
+                t0 = brentq(slope, times[i - 1], times[i + 1], xtol=1e-9)
+                break
+        else:
+            continue
+
+        def touch(g, side):
+            at = lambda t: g(*discs(t, dt, lat, lon, h)[:3])
+            return f"{brentq(at, t0, t0 + side * 0.11, xtol=1e-9):.8f}" if at(t0) > 0 else ""
+
+        d, s, m, _ = discs(t0, dt, lat, lon, h)
+        outer, inner = (lambda d, s, m: s + m - d), (lambda d, s, m: abs(m - s) - d)
+        kind = "partial" if inner(d, s, m) <= 0 else "total" if m >= s else "annular"
+        kinds[kind] = kinds.get(kind, 0) + 1
+        w.writerow([lat, lon, h, dt, f"{t0:.8f}", kind, f"{(s + m - d) / (2 * s):.6f}", touch(outer, -1), touch(inner, -1),
+                    touch(inner, 1), touch(outer, 1)])
+        count += 1
+print(count, "solar eclipses at places", kinds)
+
+from skyfield.api import load, load_file, wgs84
+from skyfield.magnitudelib import planetary_magnitude
+
+ts, planets = load.timescale(), load_file(sys.argv[1])
+with open(target / "magnitudes.csv", "w") as f:
+    w = csv.writer(f, lineterminator="\n")
+    w.writerow(["body", "jd_tt", "jd_ut1", "latitude_deg", "longitude_deg", "height_m", "magnitude", "phase_angle_deg"])
+    for _ in range(30):
+        t = ts.tt_jd(rng.uniform(2415021, 2469800))
+        for name in ("mercury", "venus", "mars", "jupiter", "saturn", "uranus", "neptune"):
+            key = name if name in ("mercury", "venus") else name + " barycenter"
+            p = (planets["earth"] + wgs84.latlon(0, 0)).at(t).observe(planets[key])
+            m = float(planetary_magnitude(p))
+            if np.isfinite(m):
+                w.writerow([name, repr(float(t.tt)), repr(float(t.ut1)), 0, 0, 0, f"{m:.5f}",
+                            f"{p.phase_angle(planets['sun']).degrees:.5f}"])

@@ -6,6 +6,7 @@ use crate::place::Place;
 use crate::time::{Instant, JulianDateTdb};
 use glam::DVec3;
 use std::collections::HashMap;
+use std::f64::consts::FRAC_PI_2;
 
 /// Bodies where the caller puts them: for fiction, for tests, for a light that an artist moves. What is not set comes from the
 /// fast level.
@@ -34,7 +35,7 @@ impl Manual {
         distance_m: f64,
     ) -> Result<&mut Self> {
         in_range("azimuth", "-7..=7 rad", azimuth_rad, -7.0, 7.0, " (is this in degrees?)")?;
-        in_range("altitude", "-1.5708..=1.5708 rad", altitude_rad, -1.5708, 1.5708, " (is this in degrees?)")?;
+        in_range("altitude", "-π/2..=π/2 rad", altitude_rad, -FRAC_PI_2, FRAC_PI_2, " (is this in degrees?)")?;
         in_range("distance", "1e5..=1e18 m", distance_m, 1e5, 1e18, " (is this in km?)")?;
         let (sin_az, cos_az) = azimuth_rad.sin_cos();
         let (sin_alt, cos_alt) = altitude_rad.sin_cos();
@@ -49,7 +50,6 @@ impl Manual {
             natural = (natural + wanted - observer.aberrated(natural)).normalize();
         }
         let site = observer.state.position_m;
-        drop(observer);
         self.states.insert(body, site + natural * distance_m);
         Ok(self)
     }

@@ -1,12 +1,15 @@
 //! How bodies look: phases, brightness, the Moon's face, Saturn's rings, Jupiter's moons.
 
 mod appearance;
+mod jupiter_moons;
+mod libration_table;
 mod magnitude;
 mod moon;
 mod saturn;
 
 pub(crate) use appearance::angle_between;
 pub use appearance::{Appearance, Earthshine, parallactic_angle_rad, position_angle_rad};
+pub use jupiter_moons::{GalileanMoon, GalileanView, galilean_moons_m};
 pub use magnitude::{moon_surge, planet_magnitude};
 pub use moon::{Libration, MoonOrientation};
 pub use saturn::{RingAspect, SATURN_RING_EDGES_M};

@@ -72,17 +72,12 @@ impl Catalogue {
         let wanted = text.trim().to_lowercase();
         let unknown = |suggestion: String| AstroError::Unknown { kind: "star", name: shown(text.trim()), suggestion };
         for (prefix, by_hip) in [("hip", true), ("hd", false)] {
-            if let Some(digits) = wanted.strip_prefix(prefix) {
-                if let Ok(number) = digits.trim().parse::<u32>() {
-                    let star = if by_hip {
-                        self.hip(number)
-                    } else {
-                        self.stars.iter().find(|s| s.hd == number && number != 0)
-                    };
-                    return star
-                        .ok_or_else(|| unknown("; the catalogue holds stars to V = 6.5 and the nearest ones".into()));
-                }
-            }
+            let Some(Ok(number)) = wanted.strip_prefix(prefix).map(|digits| digits.trim().parse::<u32>()) else {
+                continue;
+            };
+            let star =
+                if by_hip { self.hip(number) } else { self.stars.iter().find(|s| s.hd == number && number != 0) };
+            return star.ok_or_else(|| unknown("; the catalogue holds stars to V = 6.5 and the nearest ones".into()));
         }
         if let Some(star) = self.by_name.get(&wanted).and_then(|hip| self.hip(*hip)) {
             return Ok(star);
@@ -139,8 +134,8 @@ fn unpack(row: &[u8]) -> Star {
         motion_ra_rad_per_year: f64::from(i(20)) * UNITS_RAD,
         motion_dec_rad_per_year: f64::from(i(24)) * UNITS_RAD,
         epoch_year: 1991.25,
-        v_magnitude: f64::from(h(28)) * 1e-3,
-        b_minus_v: Some(h(30)).filter(|v| *v != i16::MIN).map(|v| f64::from(v) * 1e-3),
+        v_magnitude: f64::from(h(28)) / 1e3,
+        b_minus_v: Some(h(30)).filter(|v| *v != i16::MIN).map(|v| f64::from(v) / 1e3),
         spectral_type: String::from_utf8_lossy(spectrum.get(..end).unwrap_or_default()).into_owned(),
     }
 }
