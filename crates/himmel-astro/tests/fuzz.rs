@@ -112,12 +112,10 @@ proptest! {
         for (a, b) in [(jd, dt), (near, near - dt % 1.0), (near, near)] {
             let (Ok(tt), Ok(ut1)) = (JulianDateTt::new(a), JulianDateUt1::new(b)) else { continue };
             let Ok(instant) = Instant::from_tt_ut1(tt, ut1) else { continue };
-            if let Ok(precise) = Precise::embedded() {
-                if let Ok(observer) = Observer::new(&precise, &instant, &somewhere) {
-                    if let Ok(seen) = observer.apparent(Body::ALL[body]) {
-                        prop_assert!(seen.altitude_rad.is_finite() && seen.azimuth_rad.is_finite());
-                    }
-                }
+            let precise = Precise::embedded().unwrap();
+            let Ok(observer) = Observer::new(&precise, &instant, &somewhere) else { continue };
+            if let Ok(seen) = observer.apparent(Body::ALL[body]) {
+                prop_assert!(seen.altitude_rad.is_finite() && seen.azimuth_rad.is_finite());
             }
         }
     }

@@ -1,8 +1,10 @@
 //! Places against independent tables: DE440 through ERFA (`truth/SOURCE.md`), by the table of accuracies in
 //! `docs/astronomy.md`.
 
-use himmel_astro::events::{CrossingKind, Horizon, ShadowConvention, crossings, lunar_eclipses};
-use himmel_astro::time::{DeltaTModel, JulianDateTt, JulianDateUt1};
+use himmel_astro::events::{CrossingKind, Horizon, ShadowConvention, crossings, lunar_eclipses, solar_eclipses};
+use himmel_astro::physical::MoonOrientation;
+use glam::{DMat3, DVec3};
+use himmel_astro::time::{DeltaTModel, JulianDateTdb, JulianDateTt, JulianDateUt1};
 use himmel_astro::{Body, Catalogue, Ephemeris, Fast, Instant, Observer, Place, Precise};
 use std::collections::BTreeMap;
 
@@ -214,4 +216,105 @@ fn check_lunar_eclipses(ephemeris: &dyn Ephemeris, tolerance_s: f64) {
 #[test]
 fn lunar_eclipses_of_a_century() {
     check_lunar_eclipses(&Precise::embedded().unwrap(), 2.0);
+    check_lunar_eclipses(&Fast, 30.0);
+}
+
+/// The Moon's globe against DE421's integrated librations: 0.005° (precise; the same series serves the fast level).
+#[test]
+fn libration() {
+    let mut worst = 0.0_f64;
+    for row in rows(include_str!("truth/libration.csv")) {
+        let ours = MoonOrientation::at(JulianDateTdb::new(number(&row, "jd_tdb")).unwrap()).body_from_icrs;
+        let theirs = DMat3::from_cols_array(
+            &["m00", "m10", "m20", "m01", "m11", "m21", "m02", "m12", "m22"].map(|key| number(&row, key)),
+        );
+        let turn = ours * theirs.transpose();
+        // The sine of the turn's angle from the antisymmetric part.
+        let sine = 0.5
+            * DVec3::new(
+                turn.y_axis.z - turn.z_axis.y,
+                turn.z_axis.x - turn.x_axis.z,
+                turn.x_axis.y - turn.y_axis.x,
+            )
+            .length();
+        worst = worst.max(sine.asin().to_degrees());
+    }
+    println!("libration: {worst:.5}°");
+    assert!(worst < 0.005, "{worst}");
+}
+
+/// Contacts of solar eclipses at places, against DE440 through ERFA: 1 s (precise), 20 s (fast).
+fn check_solar_eclipses(ephemeris: &dyn Ephemeris, tolerance_s: f64) {
+    let mut worst = 0.0_f64;
+    for row in rows(include_str!("truth/solar_eclipses.csv")) {
+        let model = DeltaTModel::fixed(number(&row, "delta_t_s")).unwrap();
+        let place =
+            Place::from_degrees(number(&row, "latitude_deg"), number(&row, "longitude_deg"), number(&row, "height_m"))
+                .unwrap();
+        let max = number(&row, "max_jd_tt");
+        let span = (JulianDateTt::new(max - 1.0).unwrap(), JulianDateTt::new(max + 1.0).unwrap());
+        let found = solar_eclipses(ephemeris, &place, span, model).unwrap();
+        assert_eq!(found.len(), 1, "{row:?}");
+        let e = found[0];
+        assert_eq!(e.kind.name(), row["type"], "{row:?}");
+        assert!((e.magnitude - number(&row, "magnitude")).abs() < 0.005, "{row:?}: {}", e.magnitude);
+        for (key, moment) in [("c1", Some(e.c1)), ("c2", e.c2), ("max_jd_tt", Some(e.greatest)), ("c3", e.c3), ("c4", Some(e.c4))] {
+            let Some(moment) = moment else {
+                assert_eq!(row[key], "");
+                continue;
+            };
+            let seconds = (moment.instant.tt().jd() - number(&row, key)).abs() * 86_400.0;
+            worst = worst.max(seconds);
+            assert!(seconds < tolerance_s, "{key} {row:?}: {seconds:.2} s");
+        }
+    }
+    println!("{}: solar eclipses, worst {worst:.3} s", ephemeris.name());
+}
+
+#[test]
+fn solar_eclipses_at_places() {
+    check_solar_eclipses(&Precise::embedded().unwrap(), 1.0);
+    check_solar_eclipses(&Fast, 20.0);
+}
+
+/// Visual magnitudes and phase angles against skyfield's own reading of [mallama2018]: 0.01 mag (Uranus and Saturn take another pole), 0.01°.
+#[test]
+fn magnitudes() {
+    let precise = Precise::embedded().unwrap();
+    let mut worst = 0.0_f64;
+    for row in rows(include_str!("truth/magnitudes.csv")) {
+        let (instant, place) = setting(&row);
+        let observer = Observer::new(&precise, &instant, &place).unwrap();
+        let body = Body::parse(row["body"]).unwrap();
+        let look = observer.appearance(body, &observer.apparent(body).unwrap()).unwrap();
+        let difference = (look.magnitude - number(&row, "magnitude")).abs();
+        worst = worst.max(difference);
+        assert!(difference < 0.01, "{row:?}: {}", look.magnitude);
+        assert!((look.phase_angle_rad.to_degrees() - number(&row, "phase_angle_deg")).abs() < 0.01, "{row:?}");
+    }
+    println!("magnitudes: {worst:.4}");
+}
+
+/// Where the pack ends the series take over: the jump is within the two levels' tolerances.
+#[test]
+fn the_packs_ends_are_no_cliffs() {
+    let precise = Precise::embedded().unwrap();
+    let place = Place::from_degrees(20.0, 30.0, 0.0).unwrap();
+    for jd in [2_396_758.5, 2_506_331.5] {
+        let at = |jd: f64| {
+            let instant = Instant::from_tt(JulianDateTt::new(jd).unwrap(), DeltaTModel::Fixed(60.0));
+            Observer::new(&precise, &instant, &place)
+        };
+        for body in [Body::Sun, Body::Moon].into_iter().chain(Body::PLANETS) {
+            let seen = |jd: f64| at(jd).unwrap().apparent(body).unwrap().direction_gcrs;
+            // Half a second either side; the bodies' own motion (Moon 0.3″) is taken out by equal steps inside.
+            let s = 0.5 / 86_400.0;
+            let jump = (seen(jd + s) - seen(jd - s)).length().to_degrees() * 3600.0;
+            assert!(jump < tolerance_arcsec("fast", body), "{body} at {jd}: {jump}″");
+        }
+    }
+    // Far outside any validity an error says so.
+    let instant = Instant::from_tt(JulianDateTt::new(-500_000.0).unwrap(), DeltaTModel::Standard);
+    let e = Observer::new(&precise, &instant, &place).err().unwrap().to_string();
+    assert!(e.contains("2000 BC to AD 6000"), "{e}");
 }
