@@ -113,6 +113,20 @@ def discs(tt, dt, lat, lon, h):
     return d, np.arcsin(695700 / s[4]), np.arcsin(1737.4 / m[4]), s[3]
 
 
+def on_the_axis(tt, dt):
+    """Latitude and longitude (geocentric, degrees) where the shadow's axis meets a round Earth, or None."""
+    (m, dm), (s, ds) = geocentric("moon", tt), geocentric("sun", tt)
+    m, s = m * dm, s * ds
+    a = (m - s) / np.linalg.norm(m - s)
+    half = m @ a
+    root = half**2 - (m @ m - 6371.0**2)
+    if root < 0:
+        return None
+    p = m + a * (-half - np.sqrt(root))
+    p = erfa.rz(erfa.gst06a(tt - dt / 86400, 0.0, tt, 0.0), np.eye(3)) @ erfa.pnm06a(tt, 0.0) @ p
+    return round(np.degrees(np.arcsin(p[2] / np.linalg.norm(p))), 4), round(np.degrees(np.arctan2(p[1], p[0])), 4)
+
+
 with open(target / "solar_eclipses.csv", "w") as f:
     w = csv.writer(f, lineterminator="\n")
     w.writerow(["latitude_deg", "longitude_deg", "height_m", "delta_t_s", "max_jd_tt", "type", "magnitude", "c1", "c2", "c3", "c4"])
@@ -128,6 +142,11 @@ with open(target / "solar_eclipses.csv", "w") as f:
         for _ in range(40):
             lat = round(np.degrees(np.arcsin(rng.uniform(-0.95, 0.95))), 4)
             lon, h, dt = round(rng.uniform(-180, 180), 4), round(rng.uniform(0, 2000), 1), round(rng.uniform(30, 70), 2)
+            if count % 2:  # every second one near the path of a central eclipse
+                point = on_the_axis(conjunction + rng.uniform(-0.08, 0.08), dt)
+                if point is None:
+                    continue
+                lat, lon = point
             times = conjunction + np.arange(-0.2, 0.2, 1 / 96)
             ds = [discs(t, dt, lat, lon, h) for t in times]
             i = int(np.argmin([d[0] for d in ds]))
@@ -151,8 +170,9 @@ with open(target / "solar_eclipses.csv", "w") as f:
         count += 1
 print(count, "solar eclipses at places", kinds)
 
+from skyfield import magnitudelib as ml
 from skyfield.api import load, load_file, wgs84
-from skyfield.magnitudelib import planetary_magnitude
+from skyfield.functions import angle_between
 
 ts, planets = load.timescale(), load_file(sys.argv[1])
 with open(target / "magnitudes.csv", "w") as f:
@@ -160,10 +180,21 @@ with open(target / "magnitudes.csv", "w") as f:
     w.writerow(["body", "jd_tt", "jd_ut1", "latitude_deg", "longitude_deg", "height_m", "magnitude", "phase_angle_deg"])
     for _ in range(30):
         t = ts.tt_jd(rng.uniform(2415021, 2469800))
+        observer = (planets["earth"] + wgs84.latlon(0, 0)).at(t)
+        # skyfield's planetary_magnitude takes the barycentre for the Sun; its formulae get the true Sun here.
+        sun = planets["sun"].at(t).xyz.au
         for name in ("mercury", "venus", "mars", "jupiter", "saturn", "uranus", "neptune"):
             key = name if name in ("mercury", "venus") else name + " barycenter"
-            p = (planets["earth"] + wgs84.latlon(0, 0)).at(t).observe(planets[key])
-            m = float(planetary_magnitude(p))
+            to_planet = observer.observe(planets[key]).xyz.au
+            from_sun = observer.xyz.au + to_planet - sun
+            r, delta = np.linalg.norm(from_sun), np.linalg.norm(to_planet)
+            phase = np.degrees(angle_between(from_sun, to_planet))
+            formula, more = getattr(ml, f"_{name}_magnitude"), []
+            if name in ("saturn", "uranus"):
+                pole = ml._SATURN_POLE if name == "saturn" else ml._URANUS_POLE
+                more = [np.degrees(angle_between(pole, v)) - 90.0 for v in (from_sun, to_planet)]
+            elif name == "neptune":
+                more = [t.J]
+            m = float(formula(r, delta, phase, *more))
             if np.isfinite(m):
-                w.writerow([name, repr(float(t.tt)), repr(float(t.ut1)), 0, 0, 0, f"{m:.5f}",
-                            f"{p.phase_angle(planets['sun']).degrees:.5f}"])
+                w.writerow([name, repr(float(t.tt)), repr(float(t.ut1)), 0, 0, 0, f"{m:.5f}", f"{phase:.5f}"])
