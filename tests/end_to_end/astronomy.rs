@@ -25,7 +25,16 @@ fn tables_are_answered_row_by_row() {
     let output = himmel(folder.path(), &["ephemeris", "--input", "q.csv", "--output", "a.csv"]);
     assert_eq!(output.status.code(), Some(1));
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    for words in ["row 2 (line 3)", "vulcan", "row 3 (line 4)", "13,000 BC", "row 4 (line 5)", "latitude", "row 5 (line 6)", "it is empty"] {
+    for words in [
+        "row 2 (line 3)",
+        "vulcan",
+        "row 3 (line 4)",
+        "13,000 BC",
+        "row 4 (line 5)",
+        "latitude",
+        "row 5 (line 6)",
+        "it is empty",
+    ] {
         assert!(errors.contains(words), "{words}: {errors}");
     }
     let answers = std::fs::read_to_string(folder.path().join("a.csv")).expect("answers");
@@ -59,20 +68,25 @@ fn the_eclipse_of_stuttgart() {
         let seconds = (jd_tt - 2_451_401.5) * 86_400.0 - 64.184;
         assert!((seconds - utc_s).abs() < 2.0, "{key}: {seconds}");
     }
-    assert!(!himmel(folder.path(), &["eclipses", "solar", "--from", "1999-01-01", "--to", "1999-12-31"]).status.success());
+    assert!(
+        !himmel(folder.path(), &["eclipses", "solar", "--from", "1999-01-01", "--to", "1999-12-31"]).status.success()
+    );
 }
 
 #[test]
 fn a_century_of_lunar_eclipses_and_a_day() {
     let folder = tempfile::tempdir().expect("a folder");
-    let list = json(&succeed(folder.path(), &["eclipses", "lunar", "--from", "1950-01-01", "--to", "2050-12-31", "--json"]));
+    let list =
+        json(&succeed(folder.path(), &["eclipses", "lunar", "--from", "1950-01-01", "--to", "2050-12-31", "--json"]));
     let list = list.as_array().expect("a list");
     assert!(list.iter().all(|e| e["penumbral_magnitude"].as_f64().is_some_and(|m| m > 0.0)));
     assert!(list.iter().all(|e| e["u2"].is_null() != (e["type"] == "total")));
     let day = json(&succeed(folder.path(), &["almanac", "--place", "52.4,13.06,35", "--date", "2012-09-06", "--json"]));
     assert_eq!(day["sun"], "rises or sets");
     let at = |key: &str| day[key]["jd_ut1"].as_f64().unwrap_or_else(|| panic!("{key}: {day}"));
-    assert!(at("astronomical_dawn") < at("civil_dawn") && at("civil_dawn") < at("sunrise") && at("sunrise") < at("sunset"));
+    assert!(
+        at("astronomical_dawn") < at("civil_dawn") && at("civil_dawn") < at("sunrise") && at("sunrise") < at("sunset")
+    );
     assert!(day["sunrise"]["utc"].as_str().is_some_and(|t| t.starts_with("2012-09-06T04:27")));
     let polar = json(&succeed(folder.path(), &["almanac", "--place", "78.22,15.63", "--date", "2012-06-06", "--json"]));
     assert_eq!(polar["sun"], "polar day");
@@ -85,7 +99,10 @@ fn a_century_of_lunar_eclipses_and_a_day() {
 #[test]
 fn one_body_or_star_by_name() {
     let folder = tempfile::tempdir().expect("a folder");
-    let moon = json(&succeed(folder.path(), &["ephemeris", "moon", "--place", "Potsdam", "--time", "2012-09-06T20:00", "--json"]));
+    let moon = json(&succeed(
+        folder.path(),
+        &["ephemeris", "moon", "--place", "Potsdam", "--time", "2012-09-06T20:00", "--json"],
+    ));
     assert!((moon["distance_km"].as_f64().expect("a distance") - 405_467.5).abs() < 1.0);
     let out = succeed(folder.path(), &["ephemeris", "Sirius", "--time", "2012-09-06T20:00Z"]);
     assert!(out.contains("altitude_deg"));

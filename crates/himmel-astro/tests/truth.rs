@@ -1,9 +1,9 @@
 //! Places against independent tables: DE440 through ERFA (`truth/SOURCE.md`), by the table of accuracies in
 //! `docs/astronomy.md`.
 
+use glam::{DMat3, DVec3};
 use himmel_astro::events::{CrossingKind, Horizon, ShadowConvention, crossings, lunar_eclipses, solar_eclipses};
 use himmel_astro::physical::MoonOrientation;
-use glam::{DMat3, DVec3};
 use himmel_astro::time::{DeltaTModel, JulianDateTdb, JulianDateTt, JulianDateUt1};
 use himmel_astro::{Body, Catalogue, Ephemeris, Fast, Instant, Observer, Place, Precise};
 use std::collections::BTreeMap;
@@ -231,12 +231,8 @@ fn libration() {
         let turn = ours * theirs.transpose();
         // The sine of the turn's angle from the antisymmetric part.
         let sine = 0.5
-            * DVec3::new(
-                turn.y_axis.z - turn.z_axis.y,
-                turn.z_axis.x - turn.x_axis.z,
-                turn.x_axis.y - turn.y_axis.x,
-            )
-            .length();
+            * DVec3::new(turn.y_axis.z - turn.z_axis.y, turn.z_axis.x - turn.x_axis.z, turn.x_axis.y - turn.y_axis.x)
+                .length();
         worst = worst.max(sine.asin().to_degrees());
     }
     println!("libration: {worst:.5}°");
@@ -258,7 +254,9 @@ fn check_solar_eclipses(ephemeris: &dyn Ephemeris, tolerance_s: f64) {
         let e = found[0];
         assert_eq!(e.kind.name(), row["type"], "{row:?}");
         assert!((e.magnitude - number(&row, "magnitude")).abs() < 0.005, "{row:?}: {}", e.magnitude);
-        for (key, moment) in [("c1", Some(e.c1)), ("c2", e.c2), ("max_jd_tt", Some(e.greatest)), ("c3", e.c3), ("c4", Some(e.c4))] {
+        for (key, moment) in
+            [("c1", Some(e.c1)), ("c2", e.c2), ("max_jd_tt", Some(e.greatest)), ("c3", e.c3), ("c4", Some(e.c4))]
+        {
             let Some(moment) = moment else {
                 assert_eq!(row[key], "");
                 continue;

@@ -141,8 +141,7 @@ mod tests {
         let pole = PolarMotion { x_rad: 0.2 * ARCSECOND_RAD, y_rad: 0.35 * ARCSECOND_RAD };
         for instant in instants() {
             let ours = EarthOrientation::with(&instant, NutationModel::Iau2000A, pole).ecef_from_gcrs;
-            let oracle =
-                sofars::pnp::c2t06a(instant.tt().jd(), 0.0, instant.ut1().jd(), 0.0, pole.x_rad, pole.y_rad);
+            let oracle = sofars::pnp::c2t06a(instant.tt().jd(), 0.0, instant.ut1().jd(), 0.0, pole.x_rad, pole.y_rad);
             for (r, row) in oracle.iter().enumerate() {
                 for (c, o) in row.iter().enumerate() {
                     assert!((ours.col(c)[r] - o).abs() / ARCSECOND_RAD < 3e-3, "{}", instant.tt().jd());
