@@ -136,6 +136,10 @@ impl<'a> Observer<'a> {
         Ok((vector, tau * LIGHT_SPEED_M_S))
     }
 
+    pub(crate) fn fixed_phase_angle_rad(&self, body: Body) -> Option<f64> {
+        self.ephemeris.fixed_phase_angle_rad(body)
+    }
+
     fn sun_pull(&self, state: State) -> DVec3 {
         let r = state.position_m - self.sun.position_m;
         r * (-SUN_GM / r.length().powi(3).max(1.0))

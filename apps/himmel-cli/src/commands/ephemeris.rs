@@ -19,7 +19,7 @@ use crate::{Failure, out};
 
 A table of questions has one header line and, in any order, the columns body, latitude_deg, longitude_deg, height_m, and
 time_utc or the pair jd_tt, jd_ut1 (which takes Delta T out of the question). Other columns are passed through. Rows that
-cannot be answered are named on the error output and keep empty answers; the exit code is then 1.")]
+cannot be answered are named on the error output (the first below the header is row 1) and keep empty answers; the exit code is then 1.")]
 pub struct Args {
     /// sun, moon, mercury … neptune, pluto, or a star: Sirius, HIP 32349, HD 48915, alpha CMa.
     #[arg(value_name = "BODY", conflicts_with = "input", required_unless_present = "input")]
@@ -143,8 +143,7 @@ fn table(args: &Args, input: &Path, conditions: &Conditions) -> Result<(), Failu
         };
         let row = text(&record);
         let answer = columns.answer(&row, ephemeris.as_ref(), conditions).unwrap_or_else(|e| {
-            let line = record.position().map_or(0, csv::Position::line);
-            eprintln!("himmel: row {} (line {line}): {e}", index + 1);
+            eprintln!("himmel: row {}: {e}", index + 1);
             bad += 1;
             Answer::default()
         });

@@ -97,6 +97,10 @@ impl<E: Ephemeris> Ephemeris for Cached<E> {
         self.between(body, tdb, |at| self.inner.state(body, at))
     }
 
+    fn fixed_phase_angle_rad(&self, body: Body) -> Option<f64> {
+        self.inner.fixed_phase_angle_rad(body)
+    }
+
     fn earth_and_moon(&self, tdb: JulianDateTdb) -> Result<(State, State)> {
         let earth = self.between(Body::Earth, tdb, |at| self.inner.state(Body::Earth, at))?;
         let moon = self.between(Body::Moon, tdb, |at| self.inner.earth_and_moon(at).map(|(_, moon)| moon))?;

@@ -16,6 +16,7 @@ use std::f64::consts::FRAC_PI_2;
 #[derive(Debug, Clone, Default)]
 pub struct Manual {
     states: HashMap<Body, DVec3>,
+    phases: HashMap<Body, f64>,
 }
 
 impl Manual {
@@ -25,7 +26,7 @@ impl Manual {
     }
 
     /// Puts a body where an observer sees it: azimuth from north through east, airless altitude, distance. The phase follows from where
-    /// the Sun is put.
+    /// the Sun is, unless [`Manual::set_phase_angle`] says otherwise.
     pub fn put(
         &mut self,
         body: Body,
@@ -55,6 +56,15 @@ impl Manual {
     }
 }
 
+impl Manual {
+    /// Fixes a body's phase angle (Sun–body–observer, 0 full to π new), whatever the places say.
+    pub fn set_phase_angle(&mut self, body: Body, phase_angle_rad: f64) -> Result<&mut Self> {
+        in_range("phase angle", "0..=π rad", phase_angle_rad, 0.0, std::f64::consts::PI, " (is this in degrees?)")?;
+        self.phases.insert(body, phase_angle_rad);
+        Ok(self)
+    }
+}
+
 impl Ephemeris for Manual {
     fn name(&self) -> &'static str {
         "manual"
@@ -66,6 +76,10 @@ impl Ephemeris for Manual {
             None if body == Body::Moon => self.earth_and_moon(tdb).map(|(earth, moon)| earth + moon),
             None => Fast.state(body, tdb),
         }
+    }
+
+    fn fixed_phase_angle_rad(&self, body: Body) -> Option<f64> {
+        self.phases.get(&body).copied()
     }
 
     fn earth_and_moon(&self, tdb: JulianDateTdb) -> Result<(State, State)> {
@@ -97,6 +111,11 @@ mod tests {
             assert!((seen.altitude_rad - altitude).abs() < 1e-7, "{body}");
             assert!((seen.distance_m / distance - 1.0).abs() < 1e-6);
         }
+        manual.set_phase_angle(Body::Moon, 1.0).unwrap();
+        let observer = Observer::new(&manual, &instant, &place).unwrap();
+        let look = observer.appearance(Body::Moon, &observer.apparent(Body::Moon).unwrap()).unwrap();
+        assert!((look.illuminated_fraction - 0.5 * (1.0 + 1.0_f64.cos())).abs() < 1e-15);
+        assert!(manual.set_phase_angle(Body::Moon, 90.0).is_err());
         assert!(manual.put(Body::Sun, (&instant, &place), 180.0, 0.5, 1.5e11).is_err());
         assert!(manual.put(Body::Sun, (&instant, &place), 1.0, f64::NAN, 1.5e11).is_err());
     }

@@ -50,4 +50,9 @@ pub trait Ephemeris: Send + Sync {
 
     /// The Earth from the origin, and the Moon from the Earth.
     fn earth_and_moon(&self, tdb: JulianDateTdb) -> Result<(State, State)>;
+
+    /// A phase angle (Sun–body–observer) that shall hold whatever the places say; only the manual level has any.
+    fn fixed_phase_angle_rad(&self, _body: Body) -> Option<f64> {
+        None
+    }
 }

@@ -66,7 +66,8 @@ impl Observer<'_> {
         let (vector, _) = self.light_time_vector(body)?;
         let from_sun = self.state.position_m + vector - self.sun.position_m;
         let sun_distance_m = if body == Body::Sun { 0.0 } else { from_sun.length() };
-        let phase_angle_rad = if body == Body::Sun { 0.0 } else { angle_between(from_sun, vector) };
+        let geometric = if body == Body::Sun { 0.0 } else { angle_between(from_sun, vector) };
+        let phase_angle_rad = self.fixed_phase_angle_rad(body).unwrap_or(geometric);
         let sun = if body == Body::Sun { *seen } else { self.apparent(Body::Sun)? };
         let turn = self.orientation.true_from_gcrs;
         let (sun_latitude, observer_latitude) = pole_icrs(body, self.instant.tdb()).map_or((0.0, 0.0), |pole| {
