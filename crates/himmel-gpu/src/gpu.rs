@@ -103,6 +103,12 @@ impl Gpu {
             // The first reason is the one that counts.
             let _ = remember.set(format!("{reason:?}: {message}"));
         });
+        // Without a handler wgpu panics; with one the next `wait` says what happened.
+        let remember = Arc::clone(&lost);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            tracing::error!(%error, "the GPU refused something");
+            let _ = remember.set(error.to_string().lines().map(str::trim).collect::<Vec<_>>().join(" "));
+        }));
         Ok(Self { adapter, device, queue, lost })
     }
 

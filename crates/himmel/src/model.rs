@@ -56,7 +56,11 @@ pub struct SunPlace {
 impl SkyModel {
     /// Reads place, time and preset of a scene and integrates the air's tables (about 40 ms).
     pub fn new(scene: &Scene) -> Result<Self> {
-        let preset = scene.load_preset()?;
+        Self::with_preset(scene, scene.load_preset()?)
+    }
+
+    /// As [`new`](Self::new), with an atmosphere of your own instead of the one that the scene names.
+    pub fn with_preset(scene: &Scene, preset: Preset) -> Result<Self> {
         let observer = Observer::at(&scene.observer.place)?;
         let mut clock = Clock::from_timestamp(parse_time(&scene.clock.time, &observer.time_zone)?);
         clock.set_rate(scene.clock.rate);
@@ -74,7 +78,7 @@ impl SkyModel {
         Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris })
     }
 
-    /// The settings.
+    /// The settings as they were given; observer and clock may have moved on since.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }

@@ -23,12 +23,15 @@ impl Sky {
     /// Compiles the pipelines for a target and uploads the air's tables. Stands in Potsdam, now; see [`set_observer`](Self::set_observer).
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, preset: &Preset) -> Result<Self> {
         let scene = Scene { preset: preset.name.clone(), ..Scene::default() };
-        Self::with_scene(device, queue, target, &scene)
+        Self::with_model(device, queue, target, SkyModel::with_preset(&scene, preset.clone())?)
     }
 
     /// As [`new`](Self::new), from a scene.
     pub fn with_scene(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, scene: &Scene) -> Result<Self> {
-        let model = SkyModel::new(scene)?;
+        Self::with_model(device, queue, target, SkyModel::new(scene)?)
+    }
+
+    fn with_model(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, model: SkyModel) -> Result<Self> {
         let renderer = SkyRenderer::new(device, queue, target, model.atmosphere())?;
         Ok(Self { model, renderer, queue: queue.clone() })
     }
