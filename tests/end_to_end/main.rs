@@ -1,5 +1,6 @@
 //! End to end: the command line as people run it.
 
+mod astronomy;
 mod bad_input;
 mod examples;
 mod pictures;

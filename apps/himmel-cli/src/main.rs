@@ -31,6 +31,12 @@ enum Command {
     Params(commands::params::Args),
     /// Name the GPU adapter, its limits, and the data sets with their licences.
     Info(commands::info::Args),
+    /// Where bodies and stars are: one now, or a table of questions.
+    Ephemeris(commands::ephemeris::Args),
+    /// Rise, set, transit, twilights and Moon phases for a place.
+    Almanac(commands::almanac::Args),
+    /// Eclipses of the Moon, and of the Sun at a place.
+    Eclipses(commands::eclipses::Args),
     /// Measure the renderer: medians per pass, memory of the tables.
     Bench(commands::bench::Args),
 }
@@ -105,6 +111,9 @@ fn main() -> ExitCode {
         Command::Render(args) => commands::render::run(&args, cli.quiet),
         Command::Params(args) => commands::params::run(&args),
         Command::Info(args) => commands::info::run(&args),
+        Command::Ephemeris(args) => commands::ephemeris::run(&args),
+        Command::Almanac(args) => commands::almanac::run(&args),
+        Command::Eclipses(args) => commands::eclipses::run(&args),
         Command::Bench(args) => commands::bench::run(&args, cli.quiet),
     };
     match result {

@@ -69,6 +69,14 @@ impl<'a> Observer<'a> {
         Self::with_orientation(ephemeris, instant, place, EarthOrientation::at(instant))
     }
 
+    /// At the Earth's centre, where almanacs stand: right ascension, declination and distances are geocentric, azimuth and
+    /// altitude mean nothing.
+    pub fn geocentric(ephemeris: &'a dyn Ephemeris, instant: &Instant) -> Result<Self> {
+        let mut observer = Self::new(ephemeris, instant, &Place::GREENWICH_EQUATOR)?;
+        observer.state = observer.earth;
+        Ok(observer)
+    }
+
     /// With an orientation of the caller's choice (polar motion, IAU 2000A, or shared by several places).
     pub fn with_orientation(
         ephemeris: &'a dyn Ephemeris,

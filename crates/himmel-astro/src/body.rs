@@ -65,7 +65,7 @@ impl Body {
         })
     }
 
-    /// Equatorial radius in m: Sun [iau2015-b3], the others [archinal2018]; the Moon's is its mean radius.
+    /// Equatorial radius in m: Sun [iau2015b3], the others [archinal2018]; the Moon's is its mean radius.
     pub fn radius_m(self) -> f64 {
         match self {
             Self::Sun => SUN_RADIUS_M,

@@ -11,6 +11,9 @@ pub struct Place {
 }
 
 impl Place {
+    /// Latitude 0, longitude 0, height 0: where a place is needed but does not matter.
+    pub const GREENWICH_EQUATOR: Self = Self { latitude_rad: 0.0, longitude_rad: 0.0, height_m: 0.0 };
+
     /// Latitude in −90..=90° (north positive), longitude in −360..=360° (east positive), height above the
     /// ellipsoid from −12 km to 10 million km.
     pub fn from_degrees(latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Result<Self> {

@@ -20,7 +20,7 @@ pub enum Error {
     },
     /// A direction to look that is not understood.
     #[error(
-        "cannot look at \"{0}\"; give AZIMUTH,ALTITUDE in degrees, sun, sunward, zenith, nadir, or a compass point such as NW or NW,20"
+        "cannot look at \"{0}\"; give AZIMUTH,ALTITUDE in degrees, sun, sunward, zenith, nadir, a planet's or star's name, or a compass point such as NW or NW,20"
     )]
     Look(String),
     /// A camera setting that does not fit the projection.

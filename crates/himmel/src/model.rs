@@ -3,6 +3,7 @@
 use glam::DVec3;
 use himmel_air::single::Ray;
 use himmel_air::{Atmosphere, Preset};
+use himmel_astro::query::Target;
 use himmel_astro::{AirAtObserver, Body, Ephemeris, Fast, Instant, Place, Precise, observe};
 use himmel_core::constants::{ASTRONOMICAL_UNIT_M, SUN_RADIUS_M};
 use himmel_gpu::{FrameState, Projection, SunState, View};
@@ -275,7 +276,24 @@ impl SkyModel {
 
     /// Azimuth and altitude that `camera.look` means, degrees.
     pub fn look_deg(&self) -> Result<(f64, f64)> {
-        look(&self.scene.camera.look, self.scene.camera.fov_deg, &self.sun()?)
+        let text = &self.scene.camera.look;
+        look(text, self.scene.camera.fov_deg, &self.sun()?).or_else(|error| self.look_at_target(text, error))
+    }
+
+    /// A body's or star's apparent place, refracted where the air refracts; `error` where the name is neither.
+    fn look_at_target(&self, name: &str, error: Error) -> Result<(f64, f64)> {
+        let Ok(target) = Target::parse(name) else {
+            return Err(error);
+        };
+        let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
+        let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
+        let seen = target.apparent(&himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?)?;
+        let bend = if self.preset.refraction && self.scene.air.enabled {
+            AirAtObserver::at_height(self.altitude_m()).refraction_rad(seen.altitude_rad)
+        } else {
+            0.0
+        };
+        Ok((seen.azimuth_rad.to_degrees(), (seen.altitude_rad + bend).to_degrees()))
     }
 
     /// The scene's camera as a view.

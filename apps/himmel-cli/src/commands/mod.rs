@@ -1,7 +1,11 @@
 //! One file for each subcommand.
 
+pub mod almanac;
 pub mod bench;
+pub mod eclipses;
+pub mod ephemeris;
 pub mod info;
+pub mod level;
 pub mod params;
 pub mod render;
 pub mod scene;

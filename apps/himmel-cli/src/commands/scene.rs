@@ -24,7 +24,7 @@ pub struct SceneArgs {
     /// Height of the camera above the sea, m.
     #[arg(long, value_name = "M", allow_hyphen_values = true)]
     pub altitude: Option<String>,
-    /// AZIMUTH,ALTITUDE in degrees, sun, sunward, zenith, nadir, or a compass point such as NW or NW,20.
+    /// AZIMUTH,ALTITUDE in degrees, sun, moon, jupiter, Sirius, HIP 32349, sunward, zenith, nadir, or a compass point such as NW or NW,20.
     #[arg(long, allow_hyphen_values = true)]
     pub look: Option<String>,
     /// Vertical field of view in degrees.

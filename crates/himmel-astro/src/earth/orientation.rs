@@ -135,6 +135,21 @@ mod tests {
         }
     }
 
+    /// Oracle: SOFA's whole way to the Earth-fixed frame with a pole 0.3″ off. Tolerance 3 mas: 2000B, its s′ (0.05 mas) left out.
+    #[test]
+    fn polar_motion_agrees_with_sofa() {
+        let pole = PolarMotion { x_rad: 0.2 * ARCSECOND_RAD, y_rad: 0.35 * ARCSECOND_RAD };
+        for instant in instants() {
+            let ours = EarthOrientation::with(&instant, NutationModel::Iau2000A, pole).ecef_from_gcrs;
+            let oracle = sofars::pnp::c2t06a(instant.tt().jd(), 0.0, instant.ut1().jd(), 0.0, pole.x_rad, pole.y_rad);
+            for (r, row) in oracle.iter().enumerate() {
+                for (c, o) in row.iter().enumerate() {
+                    assert!((ours.col(c)[r] - o).abs() / ARCSECOND_RAD < 3e-3, "{}", instant.tt().jd());
+                }
+            }
+        }
+    }
+
     #[test]
     fn rotations_stay_rotations() {
         for instant in instants() {

@@ -2,11 +2,13 @@
 
 mod cached;
 mod fast;
+mod manual;
 mod pack;
 mod precise;
 
 pub use cached::Cached;
 pub use fast::Fast;
+pub use manual::Manual;
 pub use precise::Precise;
 
 use crate::body::Body;
