@@ -79,7 +79,18 @@ impl From<himmel::GpuError> for Failure {
     }
 }
 
+/// Mesa's device-selection layer asks a Wayland server for advice and complains on the terminal where there is none.
+#[cfg(target_os = "linux")]
+fn hush_device_selection() {
+    if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
+        // SAFETY: called first in `main`; no other thread exists that could read the environment.
+        unsafe { std::env::set_var("NODEVICE_SELECT", "1") };
+    }
+}
+
 fn main() -> ExitCode {
+    #[cfg(target_os = "linux")]
+    hush_device_selection();
     // Warnings only, unless HIMMEL_LOG asks for more: info, debug, himmel_gpu=trace.
     let filter = tracing_subscriber::EnvFilter::try_from_env("HIMMEL_LOG")
         .unwrap_or_else(|_| tracing_subscriber::EnvFilter::new("error,himmel=warn,himmel_gpu=warn"));

@@ -76,7 +76,7 @@ impl Still {
         &mut self.renderer
     }
 
-    /// Renders a picture. `progress` is told the share done after each tile and answers whether to go on.
+    /// Renders a picture of the view's part. `progress` is told the share done after each tile and answers whether to go on.
     pub fn render(
         &mut self,
         frame: &FrameState,
@@ -116,8 +116,15 @@ impl Still {
             // Tiles at the right and bottom edge are drawn whole and cut; ndc points up, rows go down.
             let (w, h) = (f64::from(width), f64::from(height));
             let (tile_w, tile_h) = (f64::from(tile_size.0), f64::from(tile_size.1));
-            let part = [f64::from(x) / w, 1.0 - (f64::from(y) + tile_h) / h, tile_w / w, tile_h / h];
-            let view = View { part, first_pixel: [x, y], ..*view };
+            let [left, bottom, part_w, part_h] = view.part;
+            let part = [
+                left + part_w * f64::from(x) / w,
+                bottom + part_h * (1.0 - (f64::from(y) + tile_h) / h),
+                part_w * tile_w / w,
+                part_h * tile_h / h,
+            ];
+            let first_pixel = [view.first_pixel[0].saturating_add(x), view.first_pixel[1].saturating_add(y)];
+            let view = View { part, first_pixel, ..*view };
             (reading, times) = self.draw_tile(frame, &view)?;
             self.read_tile(&mut pixels, (width, height), (x, y))?;
             if !progress(f64::from(index + 1) / f64::from(columns * rows)) {

@@ -138,17 +138,24 @@ impl std::fmt::Display for Clock {
 /// Reads a time: `now`, ISO 8601 with `Z` or an offset, or bare and local to a zone. A date alone is its midnight. Local
 /// times that a change of clocks skips or repeats are read as the calendar standard says (later and earlier one).
 pub fn parse_time(text: &str, zone: &TimeZone) -> Result<Timestamp> {
-    let text = text.trim();
-    if text == "now" {
+    let given = text.trim();
+    if given == "now" {
         return Ok(Timestamp::now());
     }
+    let error = |reason: String| Error::Time { text: shorten(given), reason };
+    // ISO 8601 writes years before 1 and after 9999 with six digits; four are understood too.
+    let padded = match given.split_at_checked(1) {
+        Some((sign @ ("-" | "+"), rest)) if rest.split('-').next().is_some_and(|year| year.len() == 4) => {
+            format!("{sign}00{rest}")
+        }
+        _ => given.to_string(),
+    };
+    let text = padded.as_str();
     if let Ok(timestamp) = text.parse::<Timestamp>() {
         return Ok(timestamp);
     }
-    let error = |reason: String| Error::Time { text: shorten(text), reason };
     // `Z` or an offset was meant: a bare reading would silently drop it.
-    let after_time = text.get(10..).unwrap_or("");
-    let has_zone = after_time.contains(['Z', 'z', '+', '[']) || after_time.contains('-');
+    let has_zone = text.split_once(['T', 't', ' ']).is_some_and(|(_, time)| time.contains(['Z', 'z', '+', '-', '[']));
     if has_zone {
         let reason = text.parse::<Timestamp>().err().map(|e| e.to_string()).unwrap_or_default();
         return Err(error(reason.lines().collect::<Vec<_>>().join(" ")));
@@ -172,6 +179,7 @@ mod tests {
             assert_eq!(parse_time(text, &berlin()).unwrap(), utc, "{text}");
         }
         assert_eq!(parse_time("2012-09-06", &berlin()).unwrap().to_string(), "2012-09-05T22:00:00Z");
+        assert_eq!(parse_time("-2000-01-01T00:00Z", &berlin()).unwrap().to_string(), "-002000-01-01T00:00:00Z");
         // In the hour that spring skips, later; in the one that autumn repeats, earlier.
         assert_eq!(parse_time("2012-03-25T02:30", &berlin()).unwrap().to_string(), "2012-03-25T01:30:00Z");
         assert_eq!(parse_time("2012-10-28T02:30", &berlin()).unwrap().to_string(), "2012-10-28T00:30:00Z");

@@ -1,6 +1,7 @@
 //! Everything about a sky but its GPU: where the Sun is, what its light amounts to, what a frame needs.
 
 use glam::DVec3;
+use himmel_air::single::Ray;
 use himmel_air::{Atmosphere, Preset};
 use himmel_astro::{AirAtObserver, Body, Ephemeris, Fast, Instant, Place, Precise, observe};
 use himmel_core::constants::{ASTRONOMICAL_UNIT_M, SUN_RADIUS_M};
@@ -53,7 +54,7 @@ pub struct SunPlace {
 }
 
 impl SkyModel {
-    /// Reads place, time and preset of a scene and integrates the air's tables (about 0.1 s).
+    /// Reads place, time and preset of a scene and integrates the air's tables (about 40 ms).
     pub fn new(scene: &Scene) -> Result<Self> {
         let preset = scene.load_preset()?;
         let observer = Observer::at(&scene.observer.place)?;
@@ -235,6 +236,36 @@ impl SkyModel {
             output: self.scene.output.clone(),
             steps: self.scene.air.steps,
         })
+    }
+
+    /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground and the
+    /// Sun's disc. The f64 twin of the renderer's pixel.
+    pub fn luminance(&self, direction: DVec3) -> Result<DVec3> {
+        let (sun, settings) = (self.frame()?.sun, &self.scene.sun);
+        let direction = direction.normalize_or(DVec3::Z);
+        let altitude_m = self.altitude_m().max(0.5);
+        let nu = direction.dot(sun.direction).clamp(-1.0, 1.0);
+        let ray = Ray { altitude_m, mu: direction.z, mu_s: sun.direction.z, nu };
+        let air = self.atmosphere.march(&ray, self.scene.air.steps as usize);
+        let behind = match air.ground_mu_s {
+            Some(mu_s) => self.atmosphere.ground_radiance(mu_s),
+            None if settings.disc => {
+                let fraction = direction.angle_between(sun.disc_direction) / sun.radius_rad;
+                let solid_angle = std::f64::consts::TAU * (1.0 - sun.radius_rad.cos());
+                self.atmosphere.wavelengths_nm().map(|wavelength_nm| {
+                    let coefficients = match settings.limb_darkening {
+                        true => himmel_air::sun::limb_darkening(wavelength_nm),
+                        false => [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                    };
+                    himmel_air::sun::relative_disc_brightness(fraction, &coefficients) / solid_angle
+                })
+            }
+            None => [0.0; 4],
+        };
+        let four = std::array::from_fn(|k| {
+            (air.radiance_per_sr[k] + air.transmittance[k] * behind[k]) * sun.irradiance
+        });
+        Ok(self.atmosphere.rec709(four))
     }
 
     /// Azimuth and altitude that `camera.look` means, degrees.

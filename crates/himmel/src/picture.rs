@@ -170,7 +170,9 @@ fn encode_exr(picture: &Picture, rgb: &[f32], writer: &mut (impl Write + std::io
     attributes.software_name = Some(Text::from("himmel"));
     // Luminance of a pixel (1, 1, 1) in cd/m².
     attributes.white_luminance = Some((1.0 / picture.exposure) as f32);
-    let encoding = Encoding { compression: Compression::ZIP16, ..Encoding::FAST_LOSSLESS };
+    // Blocks in order, however many threads compress them: the same picture is the same file.
+    let encoding =
+        Encoding { compression: Compression::ZIP16, line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
     let mut layer = Layer::new((width, picture.height as usize), attributes, encoding, channels);
     layer.attributes.layer_name = None;
     let mut image = Image::from_layer(layer);

@@ -55,7 +55,7 @@ impl Sky {
         Ok(self)
     }
 
-    /// Sets a parameter by name: `air.aerosols`, `2`. An edit of the air integrates its tables anew (about 0.1 s); all
+    /// Sets a parameter by name: `air.aerosols`, `2`. An edit of the air integrates its tables anew (about 40 ms); all
     /// others cost nothing. On an error nothing changes.
     pub fn set(&mut self, key: &str, value: &str) -> Result<&mut Self> {
         let mut scene = self.model.scene().clone();

@@ -34,7 +34,7 @@ pub struct SceneArgs {
     #[arg(long, value_name = "NAME")]
     pub projection: Option<String>,
     /// Width and height in pixels.
-    #[arg(long, value_name = "WxH")]
+    #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<String>,
     /// EV100, auto (meter the picture), or none (cd/m²; the default for .exr and .hdr).
     #[arg(long, value_name = "EV", allow_hyphen_values = true)]

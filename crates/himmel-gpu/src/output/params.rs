@@ -79,7 +79,7 @@ params! {
         /// Added to the exposure; 1 is twice as bright.
         compensation_ev: f64 = 0.0, "EV", -10.0..=10.0;
         /// Tone mapper of finished pictures.
-        tonemap: Tonemap = Tonemap::Agx;
+        tonemap: Tonemap = Tonemap::Neutral;
         /// Noise of one step against banding in 8-bit pictures.
         dither: bool = true;
         /// Width of the picture.

@@ -1,0 +1,22 @@
+//! Examples are programs that people copy: they run, and their pictures are pictures.
+
+use std::path::Path;
+use std::process::Command;
+
+/// `examples/own_renderer` draws a cube in its own pass and the sky behind it.
+#[test]
+fn own_renderer_draws_a_picture() {
+    let bin = Path::new(env!("CARGO_BIN_EXE_himmel"));
+    let example = bin.parent().expect("a folder").join("examples").join("own_renderer");
+    assert!(example.exists(), "build the examples first: cargo build -p himmel --examples");
+    let folder = tempfile::tempdir().expect("a folder");
+    let output = Command::new(example)
+        .arg("own.png")
+        .current_dir(folder.path())
+        .env("NODEVICE_SELECT", "1")
+        .output()
+        .expect("it starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let picture = std::fs::read(folder.path().join("own.png")).expect("a picture");
+    assert!(picture.starts_with(b"\x89PNG") && picture.len() > 10_000, "{} bytes", picture.len());
+}

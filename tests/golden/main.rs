@@ -1,0 +1,62 @@
+//! Goldens: pictures that must not change unnoticed. Radiance as EXR by relative error, looks as PNG by FLIP.
+//! `cargo xtask golden propose`, `review`, `accept`.
+
+use himmel::{Output, Pixels, Still};
+use himmel_golden::{FlipTolerance, GoldenError, GoldenSet, Tolerance};
+use himmel_tests::{gpu, model};
+
+const SIZE: [(&str, &str); 2] = [("output.width_px", "256"), ("output.height_px", "144")];
+
+fn pixels(preset: &str, settings: &[(&str, &str)], output: Output) -> Pixels {
+    let all: Vec<(&str, &str)> = SIZE.iter().chain(settings).copied().collect();
+    let model = model(preset, &all);
+    let mut still = Still::new(gpu(), output, model.atmosphere()).expect("a renderer");
+    let frame = model.frame().expect("a frame");
+    still.render(&frame, &model.view().expect("a view"), 256, 144, &mut |_| true).expect("a picture").pixels
+}
+
+/// Radiance in cd/m²; the Sun's disc is left out, since half floats end at 65,504.
+fn radiance(name: &str, preset: &str, settings: &[(&str, &str)]) -> Result<(), GoldenError> {
+    let mut all = vec![("output.exposure", "none"), ("light.sun.disc", "off")];
+    all.extend(settings);
+    let Pixels::Radiance(rgb) = pixels(preset, &all, Output::Radiance) else { unreachable!("radiance was asked for") };
+    println!("{}", GoldenSet::of_workspace()?.check_exr(name, 256, 144, &rgb, Tolerance::default())?);
+    Ok(())
+}
+
+fn look(name: &str, preset: &str, settings: &[(&str, &str)]) -> Result<(), GoldenError> {
+    let Pixels::Display(rgb) = pixels(preset, settings, Output::Display) else { unreachable!("display was asked for") };
+    println!("{}", GoldenSet::of_workspace()?.check_png(name, 256, 144, &rgb, FlipTolerance::default())?);
+    Ok(())
+}
+
+#[test]
+fn twilight() -> Result<(), GoldenError> {
+    radiance("twilight", "earth", &[])
+}
+
+#[test]
+fn noon() -> Result<(), GoldenError> {
+    radiance("noon", "earth", &[("clock.time", "2012-09-06T11:00Z"), ("camera.look", "E,20")])
+}
+
+#[test]
+fn orbit() -> Result<(), GoldenError> {
+    radiance("orbit", "earth", &[("observer.altitude_m", "400000"), ("camera.look", "W,-18"), ("light.sun.altitude_deg", "8")])
+}
+
+#[test]
+fn mars() -> Result<(), GoldenError> {
+    radiance("mars", "mars-reference", &[("light.sun.altitude_deg", "4"), ("camera.look", "sunward")])
+}
+
+#[test]
+fn look_of_sunset() -> Result<(), GoldenError> {
+    look("look-sunset", "earth", &[("clock.time", "2012-09-06T17:20Z"), ("camera.look", "sun"), ("camera.fov_deg", "20")])
+}
+
+#[test]
+fn look_of_all_sky() -> Result<(), GoldenError> {
+    let camera = [("camera.look", "zenith"), ("camera.projection", "fisheye"), ("camera.fov_deg", "180")];
+    look("look-all-sky", "earth", &[&camera[..], &[("light.sun.altitude_deg", "20"), ("output.tonemap", "agx")]].concat())
+}

@@ -1,0 +1,5 @@
+//! Parity: what the GPU computes against the f64 twins, on the adapter that is printed.
+
+mod allocation;
+mod functions;
+mod pictures;
