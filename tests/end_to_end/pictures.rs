@@ -29,7 +29,10 @@ fn the_sun_is_in_the_middle_when_looked_at() {
     ] {
         succeed(
             folder.path(),
-            &["render", "--place", place, "--time", time, "--look", "sun", "--fov", fov, "--size", "640x360", "-o", "sun.exr"],
+            &[
+                "render", "--place", place, "--time", time, "--look", "sun", "--fov", fov, "--size", "640x360", "-o",
+                "sun.exr",
+            ],
         );
         let (width, height, pixels) = read_exr(&folder.path().join("sun.exr"));
         assert_eq!((width, height), (640, 360));
@@ -57,7 +60,18 @@ fn the_same_command_gives_the_same_bytes() {
             let file = format!("{name}.{ending}");
             succeed(
                 folder.path(),
-                &["render", "--place", "Potsdam", "--time", "2012-09-06T20:00", "--size", "160x90", "--quiet", "-o", &file],
+                &[
+                    "render",
+                    "--place",
+                    "Potsdam",
+                    "--time",
+                    "2012-09-06T20:00",
+                    "--size",
+                    "160x90",
+                    "--quiet",
+                    "-o",
+                    &file,
+                ],
             );
             files.push(std::fs::read(folder.path().join(&file)).expect("written"));
         }

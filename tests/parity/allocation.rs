@@ -48,7 +48,8 @@ fn frames_allocate_no_memory() {
         frame();
     }
     let allocations = || {
-        let report = gpu.device.generate_allocator_report().expect("this adapter reports no allocations; run on Vulkan");
+        let report =
+            gpu.device.generate_allocator_report().expect("this adapter reports no allocations; run on Vulkan");
         (report.allocations.len(), report.total_allocated_bytes, report.total_reserved_bytes)
     };
     let before = allocations();

@@ -66,7 +66,12 @@ impl From<himmel::Error> for Failure {
     fn from(error: himmel::Error) -> Self {
         use himmel::Error as E;
         let code = match error {
-            E::Place(_) | E::Time { .. } | E::Look(_) | E::Camera(_) | E::Param(_) | E::Gpu(himmel::GpuError::Size { .. }) => 2,
+            E::Place(_)
+            | E::Time { .. }
+            | E::Look(_)
+            | E::Camera(_)
+            | E::Param(_)
+            | E::Gpu(himmel::GpuError::Size { .. }) => 2,
             _ => 1,
         };
         Self { code, message: error.to_string() }

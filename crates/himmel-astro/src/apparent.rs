@@ -111,10 +111,7 @@ impl<'a> Observer<'a> {
             Body::Sun => (self.sun, DVec3::ZERO),
             Body::Moon => {
                 let r = self.moon_from_earth.position_m;
-                (
-                    self.earth + self.moon_from_earth,
-                    self.sun_pull(self.earth) - r * (EARTH_GM / r.length().powi(3)),
-                )
+                (self.earth + self.moon_from_earth, self.sun_pull(self.earth) - r * (EARTH_GM / r.length().powi(3)))
             }
             _ => {
                 let state = self.ephemeris.state(body, self.instant.tdb())?;
@@ -146,9 +143,7 @@ impl<'a> Observer<'a> {
         }
         let mut seen = self.seen(self.aberrated(direction));
         seen.distance_m = match body {
-            Body::Moon => (self.earth + self.moon_from_earth - self.state)
-                .position_m
-                .length(),
+            Body::Moon => (self.earth + self.moon_from_earth - self.state).position_m.length(),
             _ => distance_m,
         };
         seen.angular_diameter_rad = 2.0 * (body.radius_m() / seen.distance_m).min(1.0).asin();
@@ -203,12 +198,7 @@ const EARTH_GM: f64 = 3.986_004_355_070_226e14;
 const DEFLECTION_FLOOR: f64 = 1e-6;
 
 /// Where a body is seen from a place; for several bodies at once make one [`Observer`].
-pub fn observe(
-    ephemeris: &dyn Ephemeris,
-    body: Body,
-    instant: &Instant,
-    place: &Place,
-) -> Result<Apparent> {
+pub fn observe(ephemeris: &dyn Ephemeris, body: Body, instant: &Instant, place: &Place) -> Result<Apparent> {
     Observer::new(ephemeris, instant, place)?.apparent(body)
 }
 

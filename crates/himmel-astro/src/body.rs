@@ -35,15 +35,8 @@ impl Body {
     ];
 
     /// The seven planets besides the Earth.
-    pub const PLANETS: [Self; 7] = [
-        Self::Mercury,
-        Self::Venus,
-        Self::Mars,
-        Self::Jupiter,
-        Self::Saturn,
-        Self::Uranus,
-        Self::Neptune,
-    ];
+    pub const PLANETS: [Self; 7] =
+        [Self::Mercury, Self::Venus, Self::Mars, Self::Jupiter, Self::Saturn, Self::Uranus, Self::Neptune];
 
     /// Its English name in lower case, as the command line takes it.
     pub fn name(self) -> &'static str {

@@ -21,8 +21,7 @@ pub const WGS84_EQUATORIAL_RADIUS_M: f64 = 6_378_137.0;
 /// Flattening of WGS84 [wgs84].
 pub const WGS84_FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// Earth's rate of rotation in rad per second of UT1 [iers2010, eq. 5.15].
-pub const EARTH_ROTATION_RAD_S: f64 =
-    std::f64::consts::TAU * 1.002_737_811_911_354_48 / SECONDS_PER_DAY;
+pub const EARTH_ROTATION_RAD_S: f64 = std::f64::consts::TAU * 1.002_737_811_911_354_48 / SECONDS_PER_DAY;
 /// Schwarzschild radius of the Sun in m: 2 G M / c² [sofa2021, `SRS` 1.97412574336e-8 au].
 pub const SUN_SCHWARZSCHILD_RADIUS_M: f64 = 1.974_125_743_36e-8 * AU_M;
 /// Nominal radius of the Sun in m [iau2015-b3].

@@ -76,25 +76,12 @@ pub(crate) fn in_range(
     high: f64,
     hint: &'static str,
 ) -> Result<f64> {
-    if value >= low && value <= high {
-        Ok(value)
-    } else {
-        Err(AstroError::OutOfRange {
-            quantity,
-            range,
-            value,
-            hint,
-        })
-    }
+    if value >= low && value <= high { Ok(value) } else { Err(AstroError::OutOfRange { quantity, range, value, hint }) }
 }
 
 /// A text as an error message may show it: at most 60 characters, control characters replaced.
 pub(crate) fn shown(text: &str) -> String {
-    let mut s: String = text
-        .chars()
-        .take(60)
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    let mut s: String = text.chars().take(60).map(|c| if c.is_control() { ' ' } else { c }).collect();
     if text.chars().nth(60).is_some() {
         s.push('…');
     }

@@ -19,28 +19,10 @@ impl Place {
         } else {
             ""
         };
-        in_range(
-            "latitude",
-            "-90..=90 degrees",
-            latitude_deg,
-            -90.0,
-            90.0,
-            swapped,
-        )?;
-        in_range(
-            "longitude",
-            "-360..=360 degrees, east positive",
-            longitude_deg,
-            -360.0,
-            360.0,
-            "",
-        )?;
+        in_range("latitude", "-90..=90 degrees", latitude_deg, -90.0, 90.0, swapped)?;
+        in_range("longitude", "-360..=360 degrees, east positive", longitude_deg, -360.0, 360.0, "")?;
         in_range("height", "-12000..=1e10 m", height_m, -12_000.0, 1e10, "")?;
-        Ok(Self {
-            latitude_rad: latitude_deg.to_radians(),
-            longitude_rad: longitude_deg.to_radians(),
-            height_m,
-        })
+        Ok(Self { latitude_rad: latitude_deg.to_radians(), longitude_rad: longitude_deg.to_radians(), height_m })
     }
 
     /// Reads `latitude,longitude[,height_m]` in degrees, for example `52.4,13.06,35`.
@@ -53,12 +35,11 @@ impl Place {
         let mut numbers = [0.0; 3];
         let mut count = 0;
         for part in text.split(',') {
-            let slot = numbers
-                .get_mut(count)
-                .ok_or_else(|| malformed("expected latitude,longitude[,height_m]"))?;
-            *slot = part.trim().parse().map_err(|_| {
-                malformed("expected numbers as in 52.4,13.06,35 (degrees, degrees, metres)")
-            })?;
+            let slot = numbers.get_mut(count).ok_or_else(|| malformed("expected latitude,longitude[,height_m]"))?;
+            *slot = part
+                .trim()
+                .parse()
+                .map_err(|_| malformed("expected numbers as in 52.4,13.06,35 (degrees, degrees, metres)"))?;
             count += 1;
         }
         if count < 2 {
@@ -93,11 +74,7 @@ impl Place {
         let (sin_lon, cos_lon) = self.longitude_rad.sin_cos();
         let n = WGS84_EQUATORIAL_RADIUS_M / (1.0 - e2 * sin_lat * sin_lat).sqrt();
         let rho = (n + self.height_m) * cos_lat;
-        DVec3::new(
-            rho * cos_lon,
-            rho * sin_lon,
-            (n * (1.0 - e2) + self.height_m) * sin_lat,
-        )
+        DVec3::new(rho * cos_lon, rho * sin_lon, (n * (1.0 - e2) + self.height_m) * sin_lat)
     }
 
     /// Velocity of the place in the inertial frame that has the Earth-fixed axes at this instant (m/s).
@@ -131,17 +108,10 @@ mod tests {
 
     #[test]
     fn absurd_places_are_refused_with_a_reason() {
-        for (lat, lon, h) in [
-            (90.1, 0.0, 0.0),
-            (f64::NAN, 0.0, 0.0),
-            (0.0, f64::INFINITY, 0.0),
-            (0.0, 0.0, -1e5),
-        ] {
+        for (lat, lon, h) in [(90.1, 0.0, 0.0), (f64::NAN, 0.0, 0.0), (0.0, f64::INFINITY, 0.0), (0.0, 0.0, -1e5)] {
             assert!(Place::from_degrees(lat, lon, h).is_err());
         }
-        let swapped = Place::from_degrees(139.7, 35.7, 0.0)
-            .unwrap_err()
-            .to_string();
+        let swapped = Place::from_degrees(139.7, 35.7, 0.0).unwrap_err().to_string();
         assert!(swapped.contains("swapped"), "{swapped}");
         assert!(Place::parse("52.4").is_err());
         assert!(Place::parse("52.4,13.06,35,1").is_err());

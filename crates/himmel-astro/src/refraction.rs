@@ -12,10 +12,7 @@ pub struct AirAtObserver {
 impl Default for AirAtObserver {
     /// 1010 hPa and 10 °C, the values that Sæmundsson's formula was made for.
     fn default() -> Self {
-        Self {
-            pressure_hpa: 1010.0,
-            temperature_k: 283.15,
-        }
+        Self { pressure_hpa: 1010.0, temperature_k: 283.15 }
     }
 }
 
@@ -25,33 +22,13 @@ const FADE_TO_DEG: f64 = -6.0;
 
 impl AirAtObserver {
     /// No air: nothing bends.
-    pub const VACUUM: Self = Self {
-        pressure_hpa: 0.0,
-        temperature_k: 283.15,
-    };
+    pub const VACUUM: Self = Self { pressure_hpa: 0.0, temperature_k: 283.15 };
 
     /// Pressure in 0..=1200 hPa, temperature in 100..=400 K.
     pub fn new(pressure_hpa: f64, temperature_k: f64) -> Result<Self> {
-        in_range(
-            "pressure",
-            "0..=1200 hPa",
-            pressure_hpa,
-            0.0,
-            1200.0,
-            " (is this in pascal?)",
-        )?;
-        in_range(
-            "temperature",
-            "100..=400 K",
-            temperature_k,
-            100.0,
-            400.0,
-            " (is this in degrees Celsius?)",
-        )?;
-        Ok(Self {
-            pressure_hpa,
-            temperature_k,
-        })
+        in_range("pressure", "0..=1200 hPa", pressure_hpa, 0.0, 1200.0, " (is this in pascal?)")?;
+        in_range("temperature", "100..=400 K", temperature_k, 100.0, 400.0, " (is this in degrees Celsius?)")?;
+        Ok(Self { pressure_hpa, temperature_k })
     }
 
     /// The standard atmosphere's pressure at a height above sea level, 0 above 100 km.
@@ -67,15 +44,8 @@ impl AirAtObserver {
         } else {
             1010.0 * 0.223_36 * (-(h - 11_000.0) / 6341.6).exp()
         };
-        let temperature_k = if h.is_nan() {
-            283.15
-        } else {
-            (283.15 - 0.0065 * h).clamp(216.65, 290.0)
-        };
-        Self {
-            pressure_hpa,
-            temperature_k,
-        }
+        let temperature_k = if h.is_nan() { 283.15 } else { (283.15 - 0.0065 * h).clamp(216.65, 290.0) };
+        Self { pressure_hpa, temperature_k }
     }
 
     /// How much higher a light appears than it is, by its airless altitude. Never negative, 0 without air.
@@ -111,13 +81,8 @@ mod tests {
     #[test]
     fn published_values() {
         // [meeus1998, example 16.a]: true altitude 33′14.76″ of the Sun's lower limb is seen at 57.864′.
-        let r =
-            AirAtObserver::default().refraction_rad((33.0 + 14.76 / 60.0_f64).to_radians() / 60.0);
-        assert!(
-            (r.to_degrees() * 60.0 - 24.618).abs() < 0.05,
-            "{}",
-            r.to_degrees() * 60.0
-        );
+        let r = AirAtObserver::default().refraction_rad((33.0 + 14.76 / 60.0_f64).to_radians() / 60.0);
+        assert!((r.to_degrees() * 60.0 - 24.618).abs() < 0.05, "{}", r.to_degrees() * 60.0);
     }
 
     #[test]

@@ -19,11 +19,7 @@ fn number(row: &BTreeMap<&str, &str>, key: &str) -> f64 {
 fn setting(row: &BTreeMap<&str, &str>) -> (Instant, Place) {
     let tt = JulianDateTt::new(number(row, "jd_tt")).unwrap();
     let ut1 = JulianDateUt1::new(number(row, "jd_ut1")).unwrap();
-    let place = Place::from_degrees(
-        number(row, "latitude_deg"),
-        number(row, "longitude_deg"),
-        number(row, "height_m"),
-    );
+    let place = Place::from_degrees(number(row, "latitude_deg"), number(row, "longitude_deg"), number(row, "height_m"));
     (Instant::from_tt_ut1(tt, ut1).unwrap(), place.unwrap())
 }
 
@@ -75,15 +71,7 @@ fn check_bodies(ephemeris: &dyn Ephemeris) {
             ephemeris.name(),
             row["jd_tt"]
         );
-        assert!(
-            distance
-                < if ephemeris.name() == "precise" {
-                    2e-7
-                } else {
-                    2e-4
-                },
-            "{body}: distance {distance}"
-        );
+        assert!(distance < if ephemeris.name() == "precise" { 2e-7 } else { 2e-4 }, "{body}: distance {distance}");
     }
     for (body, (equatorial, horizontal, distance)) in worst {
         println!(

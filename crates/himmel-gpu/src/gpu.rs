@@ -68,7 +68,8 @@ impl Gpu {
     /// Asks for no feature that WebGPU does not guarantee; takes time stamps where they are offered.
     pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
         let adapters = adapters();
-        let names: Vec<String> = adapters.iter().map(|adapter| AdapterReport::of(&adapter.get_info()).to_string()).collect();
+        let names: Vec<String> =
+            adapters.iter().map(|adapter| AdapterReport::of(&adapter.get_info()).to_string()).collect();
         let rank = |adapter: &wgpu::Adapter| {
             let info = adapter.get_info();
             let kind = match info.device_type {

@@ -104,7 +104,11 @@ impl View {
                 let forward = self.enu_from_view.transform_vector3(-DVec3::Z);
                 let azimuth = forward.x.atan2(forward.y) + ndc[0] * std::f64::consts::PI;
                 let altitude = ndc[1] * std::f64::consts::FRAC_PI_2;
-                return Some(DVec3::new(azimuth.sin() * altitude.cos(), azimuth.cos() * altitude.cos(), altitude.sin()));
+                return Some(DVec3::new(
+                    azimuth.sin() * altitude.cos(),
+                    azimuth.cos() * altitude.cos(),
+                    altitude.sin(),
+                ));
             }
         };
         Some(self.enu_from_view.transform_vector3(look))
@@ -125,7 +129,10 @@ impl View {
         if let Projection::Fisheye(span) = self.projection
             && !(span > 0.0 && span <= 2.0 * std::f64::consts::PI)
         {
-            return Err(GpuError::View(format!("a fisheye spans more than 0° and at most 360°, got {}°", span.to_degrees())));
+            return Err(GpuError::View(format!(
+                "a fisheye spans more than 0° and at most 360°, got {}°",
+                span.to_degrees()
+            )));
         }
         if self.part.iter().any(|value| !value.is_finite()) || self.part[2] <= 0.0 || self.part[3] <= 0.0 {
             return Err(GpuError::View("the part that is drawn must be finite and not empty".into()));

@@ -19,7 +19,9 @@ pub enum Error {
         reason: String,
     },
     /// A direction to look that is not understood.
-    #[error("cannot look at \"{0}\"; give AZIMUTH,ALTITUDE in degrees, sun, sunward, zenith, nadir, or a compass point such as NW or NW,20")]
+    #[error(
+        "cannot look at \"{0}\"; give AZIMUTH,ALTITUDE in degrees, sun, sunward, zenith, nadir, or a compass point such as NW or NW,20"
+    )]
     Look(String),
     /// A camera setting that does not fit the projection.
     #[error("{0}")]

@@ -216,7 +216,9 @@ impl SkyModel {
 
     /// Altitude of the geometric horizon, degrees (zero or negative).
     fn horizon_deg(&self) -> f64 {
-        himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, self.altitude_m()).asin().to_degrees()
+        himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, self.altitude_m())
+            .asin()
+            .to_degrees()
     }
 
     /// What the renderer needs for a frame.
@@ -262,9 +264,8 @@ impl SkyModel {
             }
             None => [0.0; 4],
         };
-        let four = std::array::from_fn(|k| {
-            (air.radiance_per_sr[k] + air.transmittance[k] * behind[k]) * sun.irradiance
-        });
+        let four =
+            std::array::from_fn(|k| (air.radiance_per_sr[k] + air.transmittance[k] * behind[k]) * sun.irradiance);
         Ok(self.atmosphere.rec709(four))
     }
 
@@ -277,7 +278,8 @@ impl SkyModel {
     pub fn view(&self) -> Result<View> {
         let camera = &self.scene.camera;
         let (azimuth_deg, altitude_deg) = self.look_deg()?;
-        let (azimuth, altitude, fov) = (azimuth_deg.to_radians(), altitude_deg.to_radians(), camera.fov_deg.to_radians());
+        let (azimuth, altitude, fov) =
+            (azimuth_deg.to_radians(), altitude_deg.to_radians(), camera.fov_deg.to_radians());
         let aspect = f64::from(self.scene.output.width_px) / f64::from(self.scene.output.height_px);
         match camera.projection {
             ProjectionKind::Perspective if camera.fov_deg >= 179.5 => Err(Error::Camera(format!(
@@ -327,7 +329,8 @@ fn look(text: &str, fov_deg: f64, sun: &SunPlace) -> Result<(f64, f64)> {
         "sun" => return Ok((sun.azimuth_deg, sun.altitude_deg)),
         // The horizon at the lower third of the picture.
         "sunward" => return Ok((sun.azimuth_deg, (fov_deg / 6.0).min(60.0))),
-        "zenith" => return Ok((0.0, 90.0)),
+        // As star charts and maps have it: north at the top, east on the left above and on the right below.
+        "zenith" => return Ok((180.0, 90.0)),
         "nadir" => return Ok((0.0, -90.0)),
         _ => {}
     }
@@ -357,8 +360,13 @@ fn look(text: &str, fov_deg: f64, sun: &SunPlace) -> Result<(f64, f64)> {
 mod tests {
     use super::*;
 
-    const SUN: SunPlace =
-        SunPlace { azimuth_deg: 250.0, altitude_deg: 10.0, airless_altitude_deg: 9.9, distance_au: 1.0, radius_deg: 0.27 };
+    const SUN: SunPlace = SunPlace {
+        azimuth_deg: 250.0,
+        altitude_deg: 10.0,
+        airless_altitude_deg: 9.9,
+        distance_au: 1.0,
+        radius_deg: 0.27,
+    };
 
     #[test]
     fn looks_are_understood() {
@@ -369,7 +377,7 @@ mod tests {
             ("-90, -10.5", (270.0, -10.5)),
             ("NW", (315.0, 10.0)),
             ("sse,20", (157.5, 20.0)),
-            ("zenith", (0.0, 90.0)),
+            ("zenith", (180.0, 90.0)),
         ] {
             assert_eq!(look(text, 60.0, &SUN).unwrap(), expected, "{text}");
         }

@@ -30,10 +30,9 @@ impl FileFormat {
             "jpg" | "jpeg" => Ok(Self::Jpeg),
             "exr" => Ok(Self::Exr),
             "hdr" => Ok(Self::Hdr),
-            _ => Err(Error::Write {
-                path: path.into(),
-                reason: "the name must end in .png, .jpg, .exr or .hdr".into(),
-            }),
+            _ => {
+                Err(Error::Write { path: path.into(), reason: "the name must end in .png, .jpg, .exr or .hdr".into() })
+            }
         }
     }
 
@@ -137,7 +136,11 @@ fn write_whole(
     Ok(())
 }
 
-fn encode(picture: &Picture, format: FileFormat, writer: &mut (impl Write + std::io::Seek)) -> std::result::Result<(), String> {
+fn encode(
+    picture: &Picture,
+    format: FileFormat,
+    writer: &mut (impl Write + std::io::Seek),
+) -> std::result::Result<(), String> {
     use image::ImageEncoder;
     let (width, height) = (picture.width, picture.height);
     match (format, &picture.pixels) {
@@ -159,7 +162,11 @@ fn encode(picture: &Picture, format: FileFormat, writer: &mut (impl Write + std:
     }
 }
 
-fn encode_exr(picture: &Picture, rgb: &[f32], writer: &mut (impl Write + std::io::Seek)) -> std::result::Result<(), String> {
+fn encode_exr(
+    picture: &Picture,
+    rgb: &[f32],
+    writer: &mut (impl Write + std::io::Seek),
+) -> std::result::Result<(), String> {
     use exr::prelude::*;
     let width = picture.width as usize;
     let channels = SpecificChannels::rgb(|at: Vec2<usize>| {

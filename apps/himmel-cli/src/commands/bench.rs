@@ -9,7 +9,9 @@ use crate::{Failure, out};
 
 /// Arguments of `himmel bench`.
 #[derive(clap::Args)]
-#[command(after_help = "Examples:\n  himmel bench\n  himmel bench --size 1920x1080 --frames 50 --json\n\nTimes are of the adapter that is named; on a software rasteriser compare ratios only.")]
+#[command(
+    after_help = "Examples:\n  himmel bench\n  himmel bench --size 1920x1080 --frames 50 --json\n\nTimes are of the adapter that is named; on a software rasteriser compare ratios only."
+)]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
@@ -53,11 +55,18 @@ pub fn run(args: &Args, _quiet: bool) -> Result<(), Failure> {
     out!("adapter   {}", gpu.report());
     out!("frame     {width}×{height}, {} samples per pixel, median of {} frames", scene.air.steps, args.frames);
     if times.passes.is_empty() {
-        out!("passes    not measured: the adapter offers no time stamps; {:.1} ms a frame with read-back", wall_s * 1e3 / f64::from(args.frames + 1));
+        out!(
+            "passes    not measured: the adapter offers no time stamps; {:.1} ms a frame with read-back",
+            wall_s * 1e3 / f64::from(args.frames + 1)
+        );
     }
     for (label, ms) in &times.passes {
         out!("  {label:<18} {ms:>8.3} ms");
     }
-    out!("tables    {:.2} MiB on the GPU; {:.0} ms of CPU after an edit of the air, none when the Sun moves", table_bytes as f64 / f64::from(1 << 20), tables_s * 1e3);
+    out!(
+        "tables    {:.2} MiB on the GPU; {:.0} ms of CPU after an edit of the air, none when the Sun moves",
+        table_bytes as f64 / f64::from(1 << 20),
+        tables_s * 1e3
+    );
     Ok(())
 }

@@ -8,8 +8,8 @@ use himmel::{Exposure, Gpu, Output, SkyModel};
 use serde::Serialize;
 
 use super::scene::SceneArgs;
-use crate::{Failure, out};
 use crate::progress::Progress;
+use crate::{Failure, out};
 
 /// Arguments of `himmel render`.
 #[derive(clap::Args)]
@@ -119,9 +119,20 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         out!("{}", serde_json::to_string_pretty(&report).map_err(|e| Failure::failed(e.to_string()))?);
         return Ok(());
     }
-    out!("place        {} ({:.4}°, {:.4}°), {:.0} m", report.place, report.latitude_deg, report.longitude_deg, report.altitude_m);
+    out!(
+        "place        {} ({:.4}°, {:.4}°), {:.0} m",
+        report.place,
+        report.latitude_deg,
+        report.longitude_deg,
+        report.altitude_m
+    );
     out!("time         {} · {}", report.local_time, report.utc);
-    out!("sun          azimuth {:.2}°, altitude {:.2}° ({:.2}° without air)", sun.azimuth_deg, sun.altitude_deg, sun.airless_altitude_deg);
+    out!(
+        "sun          azimuth {:.2}°, altitude {:.2}° ({:.2}° without air)",
+        sun.azimuth_deg,
+        sun.altitude_deg,
+        sun.airless_altitude_deg
+    );
     out!(
         "illuminance  {} lx on level ground ({} from the Sun, {} from the sky; light scattered once)",
         lux(report.horizontal_illuminance_lx),

@@ -39,7 +39,7 @@ pub struct SceneArgs {
     /// EV100, auto (meter the picture), or none (cd/m²; the default for .exr and .hdr).
     #[arg(long, value_name = "EV", allow_hyphen_values = true)]
     pub exposure: Option<String>,
-    /// linear, reinhard, hejl, agx, or neutral.
+    /// linear, reinhard, hejl, agx, agx-punchy, or neutral.
     #[arg(long, value_name = "NAME")]
     pub tonemap: Option<String>,
     /// Any parameter of `himmel params`, such as air.aerosols=2; may be given several times.
@@ -94,7 +94,8 @@ impl SceneArgs {
 fn parse_size(text: &str) -> Result<(u32, u32), Failure> {
     let error = |why: &str| Failure::usage(format!("--size takes WIDTHxHEIGHT in pixels, such as 1280x720; {why}"));
     let (width, height) = text.split_once(['x', 'X', '×']).ok_or_else(|| error(&format!("got \"{text}\"")))?;
-    let side = |text: &str| text.trim().parse::<u32>().map_err(|_| error(&format!("\"{text}\" is no number of pixels")));
+    let side =
+        |text: &str| text.trim().parse::<u32>().map_err(|_| error(&format!("\"{text}\" is no number of pixels")));
     let (width, height) = (side(width)?, side(height)?);
     if width == 0 || height == 0 {
         return Err(error(&format!("a picture needs at least one pixel, got {width}x{height}")));

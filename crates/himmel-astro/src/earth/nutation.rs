@@ -28,9 +28,6 @@ impl Nutation {
         };
         // The Earth's dynamical flattening changes with time.
         let flattening = -2.7774e-6 * tt.centuries_since_j2000();
-        Self {
-            longitude_rad: dpsi + dpsi * (0.4697e-6 + flattening),
-            obliquity_rad: deps + deps * flattening,
-        }
+        Self { longitude_rad: dpsi + dpsi * (0.4697e-6 + flattening), obliquity_rad: deps + deps * flattening }
     }
 }

@@ -1,6 +1,4 @@
-use super::{
-    Nutation, NutationModel, PrecessionAngles, axes_turned_x, axes_turned_y, axes_turned_z,
-};
+use super::{Nutation, NutationModel, PrecessionAngles, axes_turned_x, axes_turned_y, axes_turned_z};
 use crate::constants::{ARCSECOND_RAD, J2000_JD};
 use crate::time::{Instant, JulianDateUt1, PolarMotion};
 use glam::DMat3;
@@ -35,19 +33,11 @@ pub fn earth_rotation_angle_rad(ut1: JulianDateUt1) -> f64 {
 /// Greenwich mean sidereal time, IAU 2006, 0..2π   [capitaine2005, eq. 42].
 pub fn mean_sidereal_time_rad(instant: &Instant) -> f64 {
     let t = instant.tt().centuries_since_j2000();
-    let accumulated_precession = [
-        0.014_506,
-        4_612.156_534,
-        1.391_581_7,
-        -4.4e-7,
-        -2.995_6e-5,
-        -3.68e-8,
-    ]
-    .iter()
-    .rev()
-    .fold(0.0, |sum, c| sum * t + c);
-    (earth_rotation_angle_rad(instant.ut1()) + accumulated_precession * ARCSECOND_RAD)
-        .rem_euclid(TAU)
+    let accumulated_precession = [0.014_506, 4_612.156_534, 1.391_581_7, -4.4e-7, -2.995_6e-5, -3.68e-8]
+        .iter()
+        .rev()
+        .fold(0.0, |sum, c| sum * t + c);
+    (earth_rotation_angle_rad(instant.ut1()) + accumulated_precession * ARCSECOND_RAD).rem_euclid(TAU)
 }
 
 impl EarthOrientation {
@@ -131,10 +121,7 @@ mod tests {
             let (tt, ut1) = (instant.tt().jd(), instant.ut1().jd());
             let oracle = sofars::pnp::pnm06a(tt, 0.0);
             let oracle_gast = sofars::erst::gst06a(ut1, 0.0, tt, 0.0);
-            for (model, tolerance_mas) in [
-                (NutationModel::Iau2000B, 2.0),
-                (NutationModel::Iau2000A, 0.05),
-            ] {
+            for (model, tolerance_mas) in [(NutationModel::Iau2000B, 2.0), (NutationModel::Iau2000A, 0.05)] {
                 let ours = EarthOrientation::with(&instant, model, PolarMotion::default());
                 for (r, oracle_row) in oracle.iter().enumerate() {
                     for (c, o) in oracle_row.iter().enumerate() {
@@ -142,12 +129,8 @@ mod tests {
                         assert!(mas < tolerance_mas, "{model:?} at {tt}: {mas} mas");
                     }
                 }
-                let gast =
-                    (ours.apparent_sidereal_time_rad - oracle_gast).abs() / ARCSECOND_RAD * 1e3;
-                assert!(
-                    gast < tolerance_mas + 1.0,
-                    "{model:?} at {tt}: sidereal time {gast} mas"
-                );
+                let gast = (ours.apparent_sidereal_time_rad - oracle_gast).abs() / ARCSECOND_RAD * 1e3;
+                assert!(gast < tolerance_mas + 1.0, "{model:?} at {tt}: sidereal time {gast} mas");
             }
         }
     }
@@ -156,17 +139,8 @@ mod tests {
     fn rotations_stay_rotations() {
         for instant in instants() {
             let o = EarthOrientation::at(&instant);
-            for m in [
-                o.true_from_gcrs,
-                o.ecef_from_gcrs,
-                o.ecliptic_of_date_from_gcrs(),
-            ] {
-                assert!(
-                    (m * m.transpose() - DMat3::IDENTITY)
-                        .to_cols_array()
-                        .iter()
-                        .all(|e| e.abs() < 1e-14)
-                );
+            for m in [o.true_from_gcrs, o.ecef_from_gcrs, o.ecliptic_of_date_from_gcrs()] {
+                assert!((m * m.transpose() - DMat3::IDENTITY).to_cols_array().iter().all(|e| e.abs() < 1e-14));
                 assert!((m.determinant() - 1.0).abs() < 1e-14);
             }
         }

@@ -22,17 +22,7 @@ fn polynomial_arcseconds(t: f64, c: [f64; 6]) -> f64 {
 
 /// Mean obliquity of the ecliptic, IAU 2006   [hilton2006, eq. 37]; `t`: Julian centuries TT since J2000.0.
 fn obliquity_rad(t: f64) -> f64 {
-    polynomial_arcseconds(
-        t,
-        [
-            84_381.406,
-            -46.836_769,
-            -0.000_183_1,
-            0.002_003_40,
-            -5.76e-7,
-            -4.34e-8,
-        ],
-    )
+    polynomial_arcseconds(t, [84_381.406, -46.836_769, -0.000_183_1, 0.002_003_40, -5.76e-7, -4.34e-8])
 }
 
 /// Mean obliquity of the ecliptic of date, IAU 2006.
@@ -47,36 +37,15 @@ impl PrecessionAngles {
         Self {
             gamma_bar_rad: polynomial_arcseconds(
                 t,
-                [
-                    -0.052_928,
-                    10.556_378,
-                    0.493_204_4,
-                    -0.000_312_38,
-                    -2.788e-6,
-                    2.60e-8,
-                ],
+                [-0.052_928, 10.556_378, 0.493_204_4, -0.000_312_38, -2.788e-6, 2.60e-8],
             ),
             phi_bar_rad: polynomial_arcseconds(
                 t,
-                [
-                    84_381.412_819,
-                    -46.811_016,
-                    0.051_126_8,
-                    0.000_532_89,
-                    -4.40e-7,
-                    -1.76e-8,
-                ],
+                [84_381.412_819, -46.811_016, 0.051_126_8, 0.000_532_89, -4.40e-7, -1.76e-8],
             ),
             psi_bar_rad: polynomial_arcseconds(
                 t,
-                [
-                    -0.041_775,
-                    5_038.481_484,
-                    1.558_417_5,
-                    -0.000_185_22,
-                    -2.645_2e-5,
-                    -1.48e-8,
-                ],
+                [-0.041_775, 5_038.481_484, 1.558_417_5, -0.000_185_22, -2.645_2e-5, -1.48e-8],
             ),
             obliquity_rad: obliquity_rad(t),
         }

@@ -28,20 +28,13 @@ impl<E: Ephemeris> Cached<E> {
 
     /// With samples every 15 minutes.
     pub fn new(inner: E) -> Self {
-        Self {
-            inner,
-            step_days: Self::DEFAULT_STEP_S / SECONDS_PER_DAY,
-            samples: Mutex::new([None; Body::ALL.len()]),
-        }
+        Self { inner, step_days: Self::DEFAULT_STEP_S / SECONDS_PER_DAY, samples: Mutex::new([None; Body::ALL.len()]) }
     }
 
     /// With samples every so many seconds, 1..=86,400.
     pub fn with_step(inner: E, step_s: f64) -> Result<Self> {
         crate::error::in_range("cache step", "1..=86400 s", step_s, 1.0, 86_400.0, "")?;
-        Ok(Self {
-            step_days: step_s / SECONDS_PER_DAY,
-            ..Self::new(inner)
-        })
+        Ok(Self { step_days: step_s / SECONDS_PER_DAY, ..Self::new(inner) })
     }
 
     /// The wrapped level.
@@ -68,19 +61,12 @@ impl<E: Ephemeris> Cached<E> {
                     Some(s) if s.index == index - 1.0 => s.ends[1],
                     _ => at(index)?,
                 };
-                let fresh = Samples {
-                    index,
-                    ends: [first, at(index + 1.0)?],
-                };
+                let fresh = Samples { index, ends: [first, at(index + 1.0)?] };
                 self.samples.lock().unwrap_or_else(PoisonError::into_inner)[slot] = Some(fresh);
                 fresh
             }
         };
-        Ok(hermite(
-            samples.ends,
-            steps - index,
-            self.step_days * SECONDS_PER_DAY,
-        ))
+        Ok(hermite(samples.ends, steps - index, self.step_days * SECONDS_PER_DAY))
     }
 }
 
@@ -96,10 +82,7 @@ fn hermite([a, b]: [State; 2], t: f64, h_s: f64) -> State {
     let velocity = step * ((6.0 * t - 6.0 * t2) / h_s)
         + a.velocity_m_s * (3.0 * t2 - 4.0 * t + 1.0)
         + b.velocity_m_s * (3.0 * t2 - 2.0 * t);
-    State {
-        position_m: position,
-        velocity_m_s: velocity,
-    }
+    State { position_m: position, velocity_m_s: velocity }
 }
 
 impl<E: Ephemeris> Ephemeris for Cached<E> {
@@ -116,9 +99,7 @@ impl<E: Ephemeris> Ephemeris for Cached<E> {
 
     fn earth_and_moon(&self, tdb: JulianDateTdb) -> Result<(State, State)> {
         let earth = self.between(Body::Earth, tdb, |at| self.inner.state(Body::Earth, at))?;
-        let moon = self.between(Body::Moon, tdb, |at| {
-            self.inner.earth_and_moon(at).map(|(_, moon)| moon)
-        })?;
+        let moon = self.between(Body::Moon, tdb, |at| self.inner.earth_and_moon(at).map(|(_, moon)| moon))?;
         Ok((earth, moon))
     }
 }
@@ -136,20 +117,9 @@ mod tests {
         for i in 0..500 {
             let tdb = JulianDateTdb::new(2_451_545.0 + f64::from(i) * 0.003_33).unwrap();
             for body in Body::ALL {
-                let (a, b) = (
-                    cached.state(body, tdb).unwrap(),
-                    precise.state(body, tdb).unwrap(),
-                );
-                assert!(
-                    (a.position_m - b.position_m).length() < 5.0,
-                    "{body} at {}",
-                    tdb.jd()
-                );
-                assert!(
-                    (a.velocity_m_s - b.velocity_m_s).length() < 1e-2,
-                    "{body} at {}",
-                    tdb.jd()
-                );
+                let (a, b) = (cached.state(body, tdb).unwrap(), precise.state(body, tdb).unwrap());
+                assert!((a.position_m - b.position_m).length() < 5.0, "{body} at {}", tdb.jd());
+                assert!((a.velocity_m_s - b.velocity_m_s).length() < 1e-2, "{body} at {}", tdb.jd());
             }
         }
     }

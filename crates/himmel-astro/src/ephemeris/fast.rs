@@ -23,9 +23,6 @@ impl Ephemeris for Fast {
     }
 
     fn earth_and_moon(&self, tdb: JulianDateTdb) -> Result<(State, State)> {
-        Ok((
-            vsop87::heliocentric(Body::Earth, tdb)?,
-            elp::geocentric_moon(tdb)?,
-        ))
+        Ok((vsop87::heliocentric(Body::Earth, tdb)?, elp::geocentric_moon(tdb)?))
     }
 }

@@ -26,20 +26,14 @@ pub struct State {
 impl std::ops::Add for State {
     type Output = Self;
     fn add(self, other: Self) -> Self {
-        Self {
-            position_m: self.position_m + other.position_m,
-            velocity_m_s: self.velocity_m_s + other.velocity_m_s,
-        }
+        Self { position_m: self.position_m + other.position_m, velocity_m_s: self.velocity_m_s + other.velocity_m_s }
     }
 }
 
 impl std::ops::Sub for State {
     type Output = Self;
     fn sub(self, other: Self) -> Self {
-        Self {
-            position_m: self.position_m - other.position_m,
-            velocity_m_s: self.velocity_m_s - other.velocity_m_s,
-        }
+        Self { position_m: self.position_m - other.position_m, velocity_m_s: self.velocity_m_s - other.velocity_m_s }
     }
 }
 

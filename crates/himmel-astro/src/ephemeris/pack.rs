@@ -41,10 +41,7 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn take<const N: usize>(&mut self) -> Result<[u8; N]> {
         let end = self.at + N;
-        let slice = self
-            .bytes
-            .get(self.at..end)
-            .ok_or_else(|| broken("it ends too early"))?;
+        let slice = self.bytes.get(self.at..end).ok_or_else(|| broken("it ends too early"))?;
         self.at = end;
         slice.try_into().map_err(|_| broken("it ends too early"))
     }
@@ -57,20 +54,13 @@ impl Reader<'_> {
 }
 
 fn broken(reason: &str) -> AstroError {
-    AstroError::Malformed {
-        what: "ephemeris pack",
-        text: "the given bytes".into(),
-        reason: reason.to_owned(),
-    }
+    AstroError::Malformed { what: "ephemeris pack", text: "the given bytes".into(), reason: reason.to_owned() }
 }
 
 impl Pack {
     /// Checks everything that evaluation relies on.
     pub(super) fn parse(bytes: Cow<'static, [u8]>) -> Result<Self> {
-        let mut r = Reader {
-            bytes: &bytes,
-            at: 0,
-        };
+        let mut r = Reader { bytes: &bytes, at: 0 };
         if &r.take::<8>()? != b"HIMMELEP" || r.u32()? != 1 {
             return Err(broken("it does not begin with HIMMELEP and version 1"));
         }
@@ -84,11 +74,7 @@ impl Pack {
             let (ident, days, count, blocks) = (r.u32()?, r.u32()?, r.u32()?, r.u32()?);
             let quantum_m = r.f64()?;
             let offset = u64::from_le_bytes(r.take()?);
-            if ident > 63
-                || days == 0
-                || !(2..=MAX_COUNT).contains(&count)
-                || !quantum_m.is_finite()
-            {
+            if ident > 63 || days == 0 || !(2..=MAX_COUNT).contains(&count) || !quantum_m.is_finite() {
                 return Err(broken("a body's header is out of range"));
             }
             let mut fields = Vec::with_capacity(3 * count);
@@ -108,23 +94,11 @@ impl Pack {
             if tracks.len() <= ident {
                 tracks.resize(ident + 1, None);
             }
-            let track = Track {
-                days: days as f64,
-                count,
-                blocks,
-                quantum_m,
-                offset: offset as usize,
-                block_bits,
-                fields,
-            };
+            let track =
+                Track { days: days as f64, count, blocks, quantum_m, offset: offset as usize, block_bits, fields };
             tracks[ident] = Some(track);
         }
-        Ok(Self {
-            bytes,
-            start_jd,
-            end_jd,
-            tracks,
-        })
+        Ok(Self { bytes, start_jd, end_jd, tracks })
     }
 
     /// Whether a date lies within.
@@ -151,19 +125,14 @@ impl Pack {
         }
         Some(State {
             position_m: DVec3::from_array(position) * track.quantum_m,
-            velocity_m_s: DVec3::from_array(rate)
-                * (track.quantum_m * 2.0 / (track.days * SECONDS_PER_DAY)),
+            velocity_m_s: DVec3::from_array(rate) * (track.quantum_m * 2.0 / (track.days * SECONDS_PER_DAY)),
         })
     }
 
     /// `bits` (at most 56) bits from a bit position after a byte offset; `parse` has checked that eight bytes follow.
     fn bits(&self, offset: usize, bit: usize, bits: u32) -> u64 {
         let at = offset + bit / 8;
-        let word = self
-            .bytes
-            .get(at..at + 8)
-            .and_then(|b| b.try_into().ok())
-            .map_or(0, u64::from_le_bytes);
+        let word = self.bytes.get(at..at + 8).and_then(|b| b.try_into().ok()).map_or(0, u64::from_le_bytes);
         (word >> (bit % 8)) & ((1u64 << bits) - 1)
     }
 }

@@ -19,9 +19,7 @@ impl Precise {
     /// The pack that is built in.
     pub fn embedded() -> Result<Self> {
         static PACK: OnceLock<Result<Arc<Pack>>> = OnceLock::new();
-        let pack = PACK
-            .get_or_init(|| Pack::parse(Cow::Borrowed(EMBEDDED)).map(Arc::new))
-            .clone()?;
+        let pack = PACK.get_or_init(|| Pack::parse(Cow::Borrowed(EMBEDDED)).map(Arc::new)).clone()?;
         Ok(Self { pack })
     }
 
@@ -36,13 +34,11 @@ impl Precise {
     }
 
     fn track(&self, ident: usize, body: Body, tdb: JulianDateTdb) -> Result<State> {
-        self.pack
-            .state(ident, tdb.jd())
-            .ok_or_else(|| AstroError::Unsupported {
-                ephemeris: "this ephemeris pack",
-                body: body.to_string(),
-                hint: "use a pack that holds it",
-            })
+        self.pack.state(ident, tdb.jd()).ok_or_else(|| AstroError::Unsupported {
+            ephemeris: "this ephemeris pack",
+            body: body.to_string(),
+            hint: "use a pack that holds it",
+        })
     }
 }
 

@@ -53,35 +53,13 @@ fn power_sum(powers: &[&[Wave]], t: f64) -> (f64, f64) {
 
 /// The inertial mean ecliptic and equinox of J2000 from the theory's mean ecliptic of date and departure point   [laskar1986].
 fn j2000_from_date(t: f64) -> DMat3 {
-    let p = t * polynomial(
-        &[
-            0.101_803_91e-4,
-            0.470_204_39e-6,
-            -0.541_736_7e-9,
-            -0.250_794_8e-11,
-            0.463_486e-14,
-        ],
-        t,
-    );
-    let q = t * polynomial(
-        &[
-            -0.113_469_002e-3,
-            0.123_726_74e-6,
-            0.126_541_70e-8,
-            -0.137_180_8e-11,
-            -0.320_334e-14,
-        ],
-        t,
-    );
+    let p = t * polynomial(&[0.101_803_91e-4, 0.470_204_39e-6, -0.541_736_7e-9, -0.250_794_8e-11, 0.463_486e-14], t);
+    let q = t * polynomial(&[-0.113_469_002e-3, 0.123_726_74e-6, 0.126_541_70e-8, -0.137_180_8e-11, -0.320_334e-14], t);
     let root = (1.0 - p * p - q * q).sqrt();
     DMat3::from_cols(
         DVec3::new(1.0 - 2.0 * p * p, 2.0 * p * q, -2.0 * p * root),
         DVec3::new(2.0 * p * q, 1.0 - 2.0 * q * q, 2.0 * q * root),
-        DVec3::new(
-            2.0 * p * root,
-            -2.0 * q * root,
-            1.0 - 2.0 * p * p - 2.0 * q * q,
-        ),
+        DVec3::new(2.0 * p * root, -2.0 * q * root, 1.0 - 2.0 * p * p - 2.0 * q * q),
     )
 }
 
@@ -92,11 +70,7 @@ fn j2000_from_date(t: f64) -> DMat3 {
 pub(crate) fn geocentric_moon(tdb: JulianDateTdb) -> Result<State> {
     let t = tdb.centuries_since_j2000();
     if t.abs() > SPAN_CENTURIES {
-        return Err(AstroError::DateOutOfSpan {
-            jd: tdb.jd(),
-            span: "2000 BC to AD 6000",
-            theory: "ELP/MPP02",
-        });
+        return Err(AstroError::DateOutOfSpan { jd: tdb.jd(), span: "2000 BC to AD 6000", theory: "ELP/MPP02" });
     }
     let (l, l_rate) = power_sum(LONGITUDE, t);
     let (b, b_rate) = power_sum(LATITUDE, t);
@@ -108,11 +82,9 @@ pub(crate) fn geocentric_moon(tdb: JulianDateTdb) -> Result<State> {
     let outward = DVec3::new(cos_b * cos_l, cos_b * sin_l, sin_b);
     let eastward = DVec3::new(-cos_b * sin_l, cos_b * cos_l, 0.0);
     let northward = DVec3::new(-sin_b * cos_l, -sin_b * sin_l, cos_b);
-    let velocity =
-        outward * r_rate + eastward * (r * l_rate) + northward * (r * b_rate * ARCSECOND_RAD);
-    let gcrs_from_ecliptic = (axes_turned_x(84_381.406 * ARCSECOND_RAD)
-        * axes_turned_z(-0.05 * ARCSECOND_RAD))
-    .transpose();
+    let velocity = outward * r_rate + eastward * (r * l_rate) + northward * (r * b_rate * ARCSECOND_RAD);
+    let gcrs_from_ecliptic =
+        (axes_turned_x(84_381.406 * ARCSECOND_RAD) * axes_turned_z(-0.05 * ARCSECOND_RAD)).transpose();
     let turn = gcrs_from_ecliptic * j2000_from_date(t);
     Ok(State {
         position_m: turn * outward * (r * 1e3),

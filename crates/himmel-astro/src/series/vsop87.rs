@@ -53,11 +53,7 @@ pub(crate) fn heliocentric(body: Body, tdb: JulianDateTdb) -> Result<State> {
     })?;
     let days = tdb.jd() - J2000_JD;
     if days.abs() > SPAN_DAYS {
-        return Err(AstroError::DateOutOfSpan {
-            jd: tdb.jd(),
-            span: "2000 BC to AD 6000",
-            theory: "VSOP87",
-        });
+        return Err(AstroError::DateOutOfSpan { jd: tdb.jd(), span: "2000 BC to AD 6000", theory: "VSOP87" });
     }
     let t = days / DAYS_PER_MILLENNIUM;
     let (l, l_rate) = power_sum(series.longitude, t);
@@ -72,8 +68,6 @@ pub(crate) fn heliocentric(body: Body, tdb: JulianDateTdb) -> Result<State> {
     let to_equator = equator_from_ecliptic();
     Ok(State {
         position_m: to_equator * outward * (r * AU_M),
-        velocity_m_s: to_equator
-            * (outward * r_rate + eastward * (r * l_rate) + northward * (r * b_rate))
-            * per_second,
+        velocity_m_s: to_equator * (outward * r_rate + eastward * (r * l_rate) + northward * (r * b_rate)) * per_second,
     })
 }

@@ -20,15 +20,13 @@ pub(super) fn sin_cos(x: f64) -> (f64, f64) {
         * (-1.0 / 6.0
             + z * (1.0 / 120.0
                 + z * (-1.0 / 5040.0
-                    + z * (1.0 / 362_880.0
-                        + z * (-1.0 / 39_916_800.0 + z * (1.0 / 6_227_020_800.0))))));
+                    + z * (1.0 / 362_880.0 + z * (-1.0 / 39_916_800.0 + z * (1.0 / 6_227_020_800.0))))));
     let cos = 1.0
         + z * (-0.5
             + z * (1.0 / 24.0
                 + z * (-1.0 / 720.0
                     + z * (1.0 / 40_320.0
-                        + z * (-1.0 / 3_628_800.0
-                            + z * (1.0 / 479_001_600.0 + z * (-1.0 / 87_178_291_200.0)))))));
+                        + z * (-1.0 / 3_628_800.0 + z * (1.0 / 479_001_600.0 + z * (-1.0 / 87_178_291_200.0)))))));
     // Odd quarters swap sine and cosine; signs follow the quarter's two low bits.
     let swap = 0u64.wrapping_sub(quarter & 1);
     let (s, c) = (sin.to_bits(), cos.to_bits());
@@ -36,10 +34,7 @@ pub(super) fn sin_cos(x: f64) -> (f64, f64) {
     let c_bits = (c & !swap) | (s & swap);
     let s_sign = (quarter & 2) << 62;
     let c_sign = ((quarter.wrapping_add(1)) & 2) << 62;
-    (
-        f64::from_bits(s_bits ^ s_sign),
-        f64::from_bits(c_bits ^ c_sign),
-    )
+    (f64::from_bits(s_bits ^ s_sign), f64::from_bits(c_bits ^ c_sign))
 }
 
 /// One wave A cos(phase + rate · t).
@@ -87,31 +82,19 @@ mod tests {
         let mut x = -1e6;
         while x < 1e6 {
             let (s, c) = sin_cos(x);
-            assert!(
-                (s - x.sin()).abs() < 1e-10 && (c - x.cos()).abs() < 1e-10,
-                "{x}: {s} {c}"
-            );
+            assert!((s - x.sin()).abs() < 1e-10 && (c - x.cos()).abs() < 1e-10, "{x}: {s} {c}");
             x += 17.777_7;
         }
         for i in -1000..1000 {
             let x = f64::from(i) * 0.01;
             let (s, c) = sin_cos(x);
-            assert!(
-                (s - x.sin()).abs() < 2e-11 && (c - x.cos()).abs() < 2e-11,
-                "{x}"
-            );
+            assert!((s - x.sin()).abs() < 2e-11 && (c - x.cos()).abs() < 2e-11, "{x}");
         }
     }
 
     #[test]
     fn rate_is_the_derivative() {
-        let waves: [Wave; 5] = [
-            [1.0, 0.3, 2.0],
-            [0.5, 1.0, -7.0],
-            [0.1, 0.0, 0.0],
-            [2.0, 4.0, 0.5],
-            [0.2, 1.0, 30.0],
-        ];
+        let waves: [Wave; 5] = [[1.0, 0.3, 2.0], [0.5, 1.0, -7.0], [0.1, 0.0, 0.0], [2.0, 4.0, 0.5], [0.2, 1.0, 30.0]];
         let powers: [&[Wave]; 3] = [&waves, &waves[..2], &waves[1..]];
         let (t, h) = (0.7, 1e-5);
         let numeric = (power_sum(&powers, t + h).0 - power_sum(&powers, t - h).0) / (2.0 * h);

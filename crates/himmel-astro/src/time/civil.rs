@@ -10,18 +10,12 @@ pub(super) fn unix_seconds_from_iso(text: &str) -> Result<f64> {
         return Ok(t.as_second() as f64 + f64::from(t.subsec_nanosecond()) * 1e-9);
     }
     let bare = text.strip_suffix(['Z', 'z']).unwrap_or(text);
-    let civil: jiff::civil::DateTime = bare.parse().map_err(|_| {
-        malformed_time(
-            text,
-            "expected ISO 8601 as in 2012-09-06T18:00Z or 2012-09-06T20:00:00+02:00",
-        )
-    })?;
-    let t = jiff::tz::TimeZone::UTC.to_timestamp(civil).map_err(|_| {
-        malformed_time(
-            text,
-            "the date lies outside the calendar's years -9999..=9999",
-        )
-    })?;
+    let civil: jiff::civil::DateTime = bare
+        .parse()
+        .map_err(|_| malformed_time(text, "expected ISO 8601 as in 2012-09-06T18:00Z or 2012-09-06T20:00:00+02:00"))?;
+    let t = jiff::tz::TimeZone::UTC
+        .to_timestamp(civil)
+        .map_err(|_| malformed_time(text, "the date lies outside the calendar's years -9999..=9999"))?;
     Ok(t.as_second() as f64 + f64::from(t.subsec_nanosecond()) * 1e-9)
 }
 
@@ -52,37 +46,17 @@ mod tests {
 
     #[test]
     fn reads_what_people_type() {
-        assert_eq!(
-            unix_seconds_from_iso("2012-09-06T18:00Z").unwrap(),
-            1_346_954_400.0
-        );
-        assert_eq!(
-            unix_seconds_from_iso("2012-09-06T20:00:00+02:00").unwrap(),
-            1_346_954_400.0
-        );
-        assert_eq!(
-            unix_seconds_from_iso("2012-09-06 18:00").unwrap(),
-            1_346_954_400.0
-        );
+        assert_eq!(unix_seconds_from_iso("2012-09-06T18:00Z").unwrap(), 1_346_954_400.0);
+        assert_eq!(unix_seconds_from_iso("2012-09-06T20:00:00+02:00").unwrap(), 1_346_954_400.0);
+        assert_eq!(unix_seconds_from_iso("2012-09-06 18:00").unwrap(), 1_346_954_400.0);
         assert_eq!(unix_seconds_from_iso("1970-01-02").unwrap(), 86_400.0);
-        assert_eq!(
-            unix_seconds_from_iso("1970-01-01T00:00:00.25Z").unwrap(),
-            0.25
-        );
-        assert!(
-            unix_seconds_from_iso("tomorrow")
-                .unwrap_err()
-                .to_string()
-                .contains("ISO 8601")
-        );
+        assert_eq!(unix_seconds_from_iso("1970-01-01T00:00:00.25Z").unwrap(), 0.25);
+        assert!(unix_seconds_from_iso("tomorrow").unwrap_err().to_string().contains("ISO 8601"));
     }
 
     #[test]
     fn writes_what_it_reads() {
-        assert_eq!(
-            iso_from_unix_seconds(1_346_954_400.0),
-            "2012-09-06T18:00:00.000Z"
-        );
+        assert_eq!(iso_from_unix_seconds(1_346_954_400.0), "2012-09-06T18:00:00.000Z");
         assert!(iso_from_unix_seconds(1e18).starts_with("JD"));
     }
 }

@@ -58,11 +58,7 @@ pub fn delta_t_s(tt: JulianDateTt) -> f64 {
     let y0 = iers::delta_t_s(last_mjd).unwrap_or(0.0);
     let slope0 = (y0 - iers::delta_t_s(last_mjd - DAYS_PER_YEAR).unwrap_or(y0)).max(0.0);
     let x1 = ((x0 + PATCH_YEARS) / 100.0).floor() * 100.0;
-    if year < x1 {
-        hermite(year, x0, y0, slope0, x1, parabola(x1), parabola_slope(x1))
-    } else {
-        parabola(year)
-    }
+    if year < x1 { hermite(year, x0, y0, slope0, x1, parabola(x1), parabola_slope(x1)) } else { parabola(year) }
 }
 
 fn year_of_mjd(mjd: f64) -> f64 {
@@ -86,9 +82,7 @@ fn spline(year: f64) -> f64 {
     };
     let start = SPLINE[0][0];
     if year >= start {
-        let i = SPLINE
-            .partition_point(|row| row[0] <= year)
-            .saturating_sub(1);
+        let i = SPLINE.partition_point(|row| row[0] <= year).saturating_sub(1);
         return cubic(SPLINE[i], year);
     }
     let before = start - PATCH_YEARS;
@@ -97,15 +91,7 @@ fn spline(year: f64) -> f64 {
     }
     let row = SPLINE[0];
     let slope = row[4] / (row[1] - row[0]);
-    hermite(
-        year,
-        before,
-        parabola(before),
-        parabola_slope(before),
-        start,
-        row[5],
-        slope,
-    )
+    hermite(year, before, parabola(before), parabola_slope(before), start, row[5], slope)
 }
 
 fn hermite(x: f64, x0: f64, y0: f64, slope0: f64, x1: f64, y1: f64, slope1: f64) -> f64 {
@@ -133,11 +119,7 @@ mod tests {
         assert!((delta_t_s(JulianDateTt::new(2_457_023.5).unwrap()) - 67.6439).abs() < 5e-4);
         // [stephenson2016]: −2.1 s around 1900, about 17,200 s in 500 BC, 7.3 to 7.6 around 1850.
         assert!((at_year(1900.0) + 2.1).abs() < 0.5, "{}", at_year(1900.0));
-        assert!(
-            (at_year(-500.0) - 17_100.0).abs() < 300.0,
-            "{}",
-            at_year(-500.0)
-        );
+        assert!((at_year(-500.0) - 17_100.0).abs() < 300.0, "{}", at_year(-500.0));
     }
 
     #[test]

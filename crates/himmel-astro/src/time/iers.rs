@@ -7,25 +7,17 @@ const HEADER_BYTES: usize = 12;
 const ROW_BYTES: usize = 8;
 
 fn i32_at(at: usize) -> i32 {
-    DATA.get(at..at + 4)
-        .and_then(|b| b.try_into().ok())
-        .map_or(0, i32::from_le_bytes)
+    DATA.get(at..at + 4).and_then(|b| b.try_into().ok()).map_or(0, i32::from_le_bytes)
 }
 
 fn i16_at(at: usize) -> i16 {
-    DATA.get(at..at + 2)
-        .and_then(|b| b.try_into().ok())
-        .map_or(0, i16::from_le_bytes)
+    DATA.get(at..at + 2).and_then(|b| b.try_into().ok()).map_or(0, i16::from_le_bytes)
 }
 
 /// Delta T (s) and the pole's place (arcseconds) in one row.
 fn row(index: usize) -> [f64; 3] {
     let at = HEADER_BYTES + index * ROW_BYTES;
-    [
-        f64::from(i32_at(at)) * 1e-5,
-        f64::from(i16_at(at + 4)) * 1e-4,
-        f64::from(i16_at(at + 6)) * 1e-4,
-    ]
+    [f64::from(i32_at(at)) * 1e-5, f64::from(i16_at(at + 4)) * 1e-4, f64::from(i16_at(at + 6)) * 1e-4]
 }
 
 /// First and last MJD (UTC) of the table.
@@ -75,8 +67,5 @@ pub struct PolarMotion {
 
 /// The IERS value at a Julian date (UTC or TT: a minute does not matter), since 1962; `None` outside.
 pub fn polar_motion(jd: f64) -> Option<PolarMotion> {
-    interpolate(jd - 2_400_000.5).map(|v| PolarMotion {
-        x_rad: v[1] * ARCSECOND_RAD,
-        y_rad: v[2] * ARCSECOND_RAD,
-    })
+    interpolate(jd - 2_400_000.5).map(|v| PolarMotion { x_rad: v[1] * ARCSECOND_RAD, y_rad: v[2] * ARCSECOND_RAD })
 }

@@ -28,10 +28,7 @@ impl Instant {
 
     /// From Terrestrial Time with a Delta T.
     pub fn from_tt(tt: JulianDateTt, model: DeltaTModel) -> Self {
-        Self {
-            tt,
-            ut1: JulianDateUt1::unchecked(tt.plus_seconds(-model.seconds(tt)).jd()),
-        }
+        Self { tt, ut1: JulianDateUt1::unchecked(tt.plus_seconds(-model.seconds(tt)).jd()) }
     }
 
     /// From Universal Time UT1 with a Delta T.
@@ -127,11 +124,7 @@ impl Instant {
 }
 
 pub(super) fn malformed_time(text: &str, reason: &str) -> AstroError {
-    AstroError::Malformed {
-        what: "time",
-        text: shown(text),
-        reason: reason.to_owned(),
-    }
+    AstroError::Malformed { what: "time", text: shown(text), reason: reason.to_owned() }
 }
 
 #[cfg(test)]
@@ -148,16 +141,7 @@ mod tests {
 
     #[test]
     fn unix_seconds_come_back() {
-        for s in [
-            -3e10,
-            -1e9,
-            63_072_001.0,
-            78_796_799.0,
-            78_796_801.0,
-            1e9,
-            1.7e9,
-            2.5e9,
-        ] {
+        for s in [-3e10, -1e9, 63_072_001.0, 78_796_799.0, 78_796_801.0, 1e9, 1.7e9, 2.5e9] {
             let back = Instant::from_unix_seconds(s).unwrap().unix_seconds();
             assert!((back - s).abs() < 2e-4, "{s} became {back}");
         }

@@ -30,11 +30,7 @@ macro_rules! julian_date {
                 if (EARLIEST_JD..=LATEST_JD).contains(&jd) {
                     Ok(Self(jd))
                 } else {
-                    Err(AstroError::DateOutOfSpan {
-                        jd,
-                        span: "13,000 BC to AD 17,000",
-                        theory: "all clocks here",
-                    })
+                    Err(AstroError::DateOutOfSpan { jd, span: "13,000 BC to AD 17,000", theory: "all clocks here" })
                 }
             }
 
@@ -63,16 +59,10 @@ macro_rules! julian_date {
     };
 }
 
-julian_date!(
-    JulianDateUtc,
-    "UTC, a civil day with a leap second stretched"
-);
+julian_date!(JulianDateUtc, "UTC, a civil day with a leap second stretched");
 julian_date!(JulianDateUt1, "UT1, the Earth's rotation");
 julian_date!(JulianDateTt, "Terrestrial Time");
-julian_date!(
-    JulianDateTdb,
-    "Barycentric Dynamical Time, the ephemerides' argument"
-);
+julian_date!(JulianDateTdb, "Barycentric Dynamical Time, the ephemerides' argument");
 
 impl JulianDateTt {
     /// The same instant in TDB, to 10 µs.

@@ -80,7 +80,11 @@ impl Meter {
     }
 
     /// Averages the picture that was drawn into [`Meter::picture`].
-    pub(crate) fn reduce(&self, encoder: &mut wgpu::CommandEncoder, timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>) {
+    pub(crate) fn reduce(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("meter"),
             color_attachments: &[Some(crate::phenomena::cleared(&self.exposure_view))],

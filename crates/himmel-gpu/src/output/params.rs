@@ -6,7 +6,7 @@ use himmel_core::{choices, params};
 /// How luminance becomes a number around 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
-    /// By metering the picture: its geometric mean luminance becomes 0.104.
+    /// By metering the picture: its geometric mean luminance becomes middle grey, 0.18.
     Auto,
     /// A camera's exposure value at ISO 100: 1.2 · 2^EV cd m⁻² becomes 1 [lagarde2014].
     Ev100(f64),
@@ -66,6 +66,8 @@ choices! {
         Hejl = "hejl",
         /// Sobotka's AgX in Wrensch's polynomial form: bright colours fade to white as on film [wrensch2023].
         Agx = "agx",
+        /// AgX with its "punchy" look: more contrast and 40 % more saturation [wrensch2023].
+        AgxPunchy = "agx-punchy",
         /// Khronos PBR Neutral: colours keep their hue up to 80 % [khronos2024neutral].
         Neutral = "neutral",
     }
@@ -79,7 +81,7 @@ params! {
         /// Added to the exposure; 1 is twice as bright.
         compensation_ev: f64 = 0.0, "EV", -10.0..=10.0;
         /// Tone mapper of finished pictures.
-        tonemap: Tonemap = Tonemap::Neutral;
+        tonemap: Tonemap = Tonemap::AgxPunchy;
         /// Noise of one step against banding in 8-bit pictures.
         dither: bool = true;
         /// Width of the picture.
