@@ -194,6 +194,10 @@ impl Check<'_> {
         for &value in spectrum.values() {
             self.within(what, value, low, high, law)?;
         }
+        // A power law has its extremes at the ends of what is rendered.
+        for wavelength_nm in [360.0, 830.0] {
+            self.within(what, spectrum.at(wavelength_nm), low, high, law)?;
+        }
         Ok(spectrum)
     }
 
@@ -249,6 +253,14 @@ impl Check<'_> {
         let what = |key: &str| format!("component {} (\"{}\").{key}", index + 1, table.name);
         let profile = self.profile(&what("profile"), table.profile)?;
         let column_m = profile.column_m(0.0, 1e7);
+        if !(column_m.is_finite() && column_m > 0.0) {
+            return Err(self.error(what("profile"), "hold something between the ground and 10,000 km", column_m));
+        }
+        let amounts = [table.number_density_per_m3, table.column_du];
+        if let (None, Some(extra)) = (table.cross_section, amounts.into_iter().flatten().next()) {
+            let law = "stand without number_density_per_m3 and column_du, which belong to cross_section";
+            return Err(self.error(what("extinction_per_m"), law, extra));
+        }
         let non_negative = |key: &str, spectrum| self.spectrum(&what(key), spectrum, 0.0, 1e6, "be zero or positive");
         let scaled = |spectrum: Spectrum, factor: f64| match spectrum {
             Spectrum::Constant(value) => Spectrum::Constant(value * factor),
@@ -430,6 +442,17 @@ mod tests {
                 vec!["single_scattering_albedo", "1.2"],
             ),
             ("column_du = 300", "colum_du = 300", vec!["colum_du"]),
+            (
+                "single_scattering_albedo = 0.9",
+                "single_scattering_albedo = { reference_nm = 550, value = 0.9, exponent = -3 }",
+                vec!["single_scattering_albedo", "0..=1"],
+            ),
+            ("extinction_per_m = 4.44e-6", "extinction_per_m = 4.44e-6\ncolumn_du = 3", vec!["aerosol", "column_du"]),
+            (
+                "exponential = { scale_height_km = 1.2 }",
+                "table = { altitude_km = [0, 1], value = [0, 0] }",
+                vec!["profile", "hold"],
+            ),
         ] {
             assert!(good.contains(from), "{from}");
             let error = Preset::from_toml(&good.replacen(from, to, 1), "test.toml").unwrap_err().to_string();

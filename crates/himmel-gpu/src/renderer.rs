@@ -230,7 +230,7 @@ impl SkyRenderer {
                 view_buffer(&self.device, &self.view_layout, self.view_stride, self.capacity);
         }
         self.belt.recall();
-        let exposure = frame.output.exposure.factor();
+        let exposure = frame.output.exposure_for(self.target.output).factor();
         let compensation = frame.output.compensation_ev.exp2();
         let uniform = FrameUniform {
             sun_irradiance: frame.sun.irradiance as f32,

@@ -74,10 +74,12 @@ fn sky_luminance(ray: vec3f, pixel: f32) -> vec3f {
     if abs(above) >= 0.5 {
         four = sky_radiance(ray, pixel, mu, length(cross(ray, view.up)));
     } else {
-        // 1e-6 tells the two sides apart in f32 at any altitude.
+        // 1e-6 tells the two sides apart in f32. From within the air by the cosine, from above by the sine, R / r, which
+        // cancels nothing far away.
+        let sine_of_limb = frame.bottom_radius_m / (frame.bottom_radius_m + view.altitude_m);
         for (var side = -1.0; side < 2.0; side += 2.0) {
-            let edge = horizon + side * 1e-6;
-            four += (0.5 + side * above) * sky_radiance(ray, pixel, edge, sqrt(1.0 - edge * edge));
+            let sin_theta = min(sine_of_limb * (1.0 + side * 1e-6), 1.0);
+            four += (0.5 + side * above) * sky_radiance(ray, pixel, min(horizon + side * 1e-6, 0.0), sin_theta);
         }
     }
     four *= frame.sun_irradiance;

@@ -4,7 +4,6 @@ use himmel_air::Atmosphere;
 
 use crate::error::GpuError;
 use crate::gpu::Gpu;
-use crate::output::params::Exposure;
 use crate::renderer::{FrameState, SkyRenderer};
 use crate::target::{Output, Target};
 use crate::timing::{PassTimes, Stamps};
@@ -37,7 +36,7 @@ pub struct Picture {
     pub pixels: Pixels,
     /// Factor by which luminance was multiplied.
     pub exposure: f64,
-    /// The exposure value that factor corresponds to.
+    /// The exposure value that this factor corresponds to, compensation included.
     pub ev100: f64,
     /// Times of the passes of the last tile, where the adapter measures them.
     pub times: PassTimes,
@@ -132,11 +131,9 @@ impl Still {
             }
         }
         let compensation = frame.output.compensation_ev.exp2();
-        let exposure = frame.output.exposure.factor().unwrap_or(f64::from(reading[0])) * compensation;
-        let ev100 = match frame.output.exposure {
-            Exposure::Auto => f64::from(reading[1]),
-            _ => -(exposure * 1.2).log2(),
-        };
+        let chosen = frame.output.exposure_for(self.renderer.target().output);
+        let exposure = chosen.factor().unwrap_or(f64::from(reading[0])) * compensation;
+        let ev100 = -(exposure * 1.2).log2();
         Ok(Picture { width, height, pixels, exposure, ev100, times })
     }
 

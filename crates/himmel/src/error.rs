@@ -54,6 +54,12 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// A picture's name has no ending that is known.
+    #[error("the picture's name must end in .png, .jpg, .exr or .hdr, got {}", .path.display())]
+    FileFormat {
+        /// Its path.
+        path: PathBuf,
+    },
     /// A file could not be written; nothing is left behind.
     #[error("cannot write {}: {reason}", .path.display())]
     Write {

@@ -132,9 +132,11 @@ impl SkyModel {
     }
 
     fn follow(&mut self, old: &Scene) -> Result<bool> {
-        let (observer_changed, clock_changed) = (self.scene.observer != old.observer, self.scene.clock != old.clock);
+        let clock_changed = self.scene.clock != old.clock;
         // Everything that can fail comes before anything that changes.
-        let observer = if observer_changed { Observer::at(&self.scene.observer.place)? } else { self.observer.clone() };
+        // A place that was set by hand stays until another one is named.
+        let place_changed = self.scene.observer.place != old.observer.place;
+        let observer = if place_changed { Observer::at(&self.scene.observer.place)? } else { self.observer.clone() };
         let time_changed = self.scene.clock.time != old.clock.time;
         let now = if time_changed { Some(parse_time(&self.scene.clock.time, &observer.time_zone)?) } else { None };
         let preset_changed = (&self.scene.preset, &self.scene.folder) != (&old.preset, &old.folder);
@@ -196,7 +198,7 @@ impl SkyModel {
         let lowest_mu = himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, altitude_m);
         // A disc that touches the horizon shines from its visible part, just above it.
         let mu = sun.altitude_deg.to_radians().sin().max(lowest_mu + 1e-9);
-        let through = self.atmosphere.sun_transmittance(altitude_m.min(self.atmosphere.medium().top_altitude_m), mu);
+        let through = self.atmosphere.sun_transmittance(altitude_m, mu);
         let beam = through.map(|t| t * visible * irradiance);
         let xyz = self.atmosphere.xyz(beam);
         let rec709 = self.atmosphere.rec709(beam);

@@ -3,6 +3,8 @@
 use himmel_core::params::{Kind, ParamError, ParamInfo, ParamType, Value, shorten};
 use himmel_core::{choices, params};
 
+use crate::target::Output;
+
 /// How luminance becomes a number around 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Exposure {
@@ -60,9 +62,9 @@ choices! {
     pub enum Tonemap {
         /// Clamped at 1, nothing else.
         Linear = "linear",
-        /// Bruneton's variant of Reinhard's operator, with the display's gamma inside [collienne2013, eq. 4.25].
+        /// Bruneton's variant of Reinhard's operator, with the display's gamma inside [collienne2013, eq. 4.25–4.26].
         Reinhard = "reinhard",
-        /// Hejl and Burgess-Dawson's filmic curve, with the display's gamma inside [collienne2013, eq. 4.26].
+        /// Hejl and Burgess-Dawson's filmic curve, with the display's gamma inside [collienne2013, eq. 4.29].
         Hejl = "hejl",
         /// Sobotka's AgX in Wrensch's polynomial form: bright colours fade to white as on film [wrensch2023].
         Agx = "agx",
@@ -76,8 +78,8 @@ choices! {
 params! {
     /// From luminance to the picture.
     pub struct OutputParams: "output" {
-        /// Exposure: auto (meter the picture), an EV100, or none (leave cd/m²).
-        exposure: Exposure = Exposure::Auto;
+        /// Exposure: auto (meter the picture), an EV100, or none (leave cd/m²); unset: auto for finished pictures, none for linear ones.
+        exposure: Option<Exposure> = None;
         /// Added to the exposure; 1 is twice as bright.
         compensation_ev: f64 = 0.0, "EV", -10.0..=10.0;
         /// Tone mapper of finished pictures.
@@ -88,5 +90,16 @@ params! {
         width_px: u32 = 1280, "px", 1.0..=65536.0;
         /// Height of the picture.
         height_px: u32 = 720, "px", 1.0..=65536.0;
+    }
+}
+
+impl OutputParams {
+    /// The exposure that a kind of output gets: where nobody chose one, finished pictures are metered and linear ones
+    /// stay in cd m⁻².
+    pub fn exposure_for(&self, output: Output) -> Exposure {
+        self.exposure.unwrap_or(match output {
+            Output::Display => Exposure::Auto,
+            Output::Radiance => Exposure::None,
+        })
     }
 }

@@ -26,12 +26,13 @@ pub fn tonemap_reinhard(colour: DVec3) -> DVec3 {
     colour.map_each(|x| if x < 1.413 { (0.38317 * x).powf(1.0 / 2.2) } else { 1.0 - (-x).exp() })
 }
 
-/// x (6.2 x + 0.5) / (x (6.2 x + 1.7) + 0.06), x = max(0, colour − 0.004)   [collienne2013, eq. 4.26; hable2010]
+/// x (6.2 x + 0.5) / (x (6.2 x + 1.7) + 0.06)   [collienne2013, eq. 4.29]
 ///
-/// Contains the display's gamma. Laws tested: rises; 0 at 0; below 1.
+/// Contains the display's gamma. Hejl's own form subtracts 0.004 first [hable2010]; the thesis does not.
+/// Laws tested: rises; 0 at 0; below 1.
 pub fn tonemap_hejl(colour: DVec3) -> DVec3 {
     colour.map_each(|c| {
-        let x = (c - 0.004).clamp(0.0, 1e4);
+        let x = c.min(1e4);
         (x * (6.2 * x + 0.5)) / (x * (6.2 * x + 1.7) + 0.06)
     })
 }

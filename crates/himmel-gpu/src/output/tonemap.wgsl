@@ -25,7 +25,7 @@ fn tonemap_reinhard(colour: vec3f) -> vec3f {
 
 fn tonemap_hejl(colour: vec3f) -> vec3f {
     // 1e4 keeps the square finite in f32; the curve is 1 long before.
-    let x = clamp(colour - 0.004, vec3f(0.0), vec3f(1e4));
+    let x = min(colour, vec3f(1e4));
     return (x * (6.2 * x + 0.5)) / (x * (6.2 * x + 1.7) + 0.06);
 }
 
