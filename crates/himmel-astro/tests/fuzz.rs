@@ -2,7 +2,7 @@
 //! `HIMMEL_FUZZ_CASES=200000 cargo test -p himmel-astro --release --test fuzz` (seven properties).
 
 use himmel_astro::orbits::OrbitalElements;
-use himmel_astro::query::{EphemerisTable, Target};
+use himmel_astro::query::{Conditions, EphemerisTable, Target};
 use himmel_astro::satellites::Satellite;
 use himmel_astro::stars::constellations;
 use himmel_astro::time::{JulianDateTt, JulianDateUt1};
@@ -67,7 +67,7 @@ proptest! {
         let whole: Vec<String> = ["body", "jd_tt", "jd_ut1", "latitude_deg", "longitude_deg", "height_m"].map(String::from).to_vec();
         for head in [&header, &whole] {
             if let Ok(table) = EphemerisTable::from_header(head) {
-                let _ = table.answer(&row, &Fast, &AirAtObserver::default());
+                let _ = table.answer(&row, &Fast, &Conditions::default());
             }
         }
     }

@@ -56,8 +56,10 @@ enum Shadow {
     Danjon,
     /// 1.02 times the whole.
     Chauvenet,
-    /// The bare cone.
+    /// The bare cone of the equatorial radius.
     Geometric,
+    /// The bare cone of the mean radius, as Müller's thesis has it.
+    Thesis,
 }
 
 /// Runs it.
@@ -75,6 +77,7 @@ pub fn run(args: &Args) -> Result<(), Failure> {
                 Shadow::Danjon => ShadowConvention::Danjon,
                 Shadow::Chauvenet => ShadowConvention::Chauvenet,
                 Shadow::Geometric => ShadowConvention::Geometric,
+                Shadow::Thesis => ShadowConvention::Thesis,
             };
             lunar_eclipses(ephemeris.as_ref(), span, convention).map_err(usage)?.iter().map(lunar).collect()
         }

@@ -4,8 +4,8 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 
 use himmel::parse_time;
-use himmel::parts::astro::query::{Answer, EphemerisTable, Target};
-use himmel::parts::astro::{AirAtObserver, Instant, Observer, Place};
+use himmel::parts::astro::query::{Answer, Conditions, EphemerisTable, Target};
+use himmel::parts::astro::{AirAtObserver, Instant, Place};
 
 use super::level::Level;
 use crate::{Failure, out};
@@ -45,6 +45,9 @@ pub struct Args {
     /// Air temperature for refraction, °C.
     #[arg(long, value_name = "C", default_value_t = 10.0, allow_hyphen_values = true)]
     temperature: f64,
+    /// Take the pole's motion into account where it is known (since 1962).
+    #[arg(long)]
+    polar_motion: bool,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -54,15 +57,16 @@ pub struct Args {
 pub fn run(args: &Args) -> Result<(), Failure> {
     let air =
         AirAtObserver::new(args.pressure, args.temperature + 273.15).map_err(|e| Failure::usage(e.to_string()))?;
+    let conditions = Conditions { air, polar_motion: args.polar_motion };
     match (&args.input, &args.body) {
-        (Some(input), _) => table(args, input, &air),
-        (None, Some(body)) => one(args, body, &air),
+        (Some(input), _) => table(args, input, &conditions),
+        (None, Some(body)) => one(args, body, &conditions),
         (None, None) => Err(Failure::usage("name a body, or a table with --input")),
     }
 }
 
 /// One body, now or then.
-fn one(args: &Args, body: &str, air: &AirAtObserver) -> Result<(), Failure> {
+fn one(args: &Args, body: &str, conditions: &Conditions) -> Result<(), Failure> {
     let usage = |e: himmel::parts::astro::AstroError| Failure::usage(e.to_string());
     let target = Target::parse(body).map_err(usage)?;
     let site = himmel::Observer::at(&args.place)?;
@@ -71,8 +75,8 @@ fn one(args: &Args, body: &str, air: &AirAtObserver) -> Result<(), Failure> {
     let instant = Instant::from_unix_seconds(seconds).map_err(usage)?;
     let place = Place::from_degrees(site.latitude_deg, site.longitude_deg, site.height_m).map_err(usage)?;
     let ephemeris = args.level.open()?;
-    let observer = Observer::new(ephemeris.as_ref(), &instant, &place).map_err(usage)?;
-    let answer = Answer::of(&target, &observer, air).map_err(usage)?;
+    let observer = conditions.observer(ephemeris.as_ref(), &instant, &place).map_err(usage)?;
+    let answer = Answer::of(&target, &observer, &conditions.air).map_err(usage)?;
     if args.json {
         let mut json = object(&answer);
         for (key, value) in [
@@ -105,7 +109,7 @@ fn object(answer: &Answer) -> serde_json::Map<String, serde_json::Value> {
 }
 
 /// A whole table.
-fn table(args: &Args, input: &Path, air: &AirAtObserver) -> Result<(), Failure> {
+fn table(args: &Args, input: &Path, conditions: &Conditions) -> Result<(), Failure> {
     let bytes = read(input)?;
     let mut reader = csv::ReaderBuilder::new().flexible(true).has_headers(false).from_reader(bytes.as_slice());
     let text = |record: &csv::ByteRecord| -> Vec<String> {
@@ -138,7 +142,7 @@ fn table(args: &Args, input: &Path, air: &AirAtObserver) -> Result<(), Failure> 
             }
         };
         let row = text(&record);
-        let answer = columns.answer(&row, ephemeris.as_ref(), air).unwrap_or_else(|e| {
+        let answer = columns.answer(&row, ephemeris.as_ref(), conditions).unwrap_or_else(|e| {
             let line = record.position().map_or(0, csv::Position::line);
             eprintln!("himmel: row {} (line {line}): {e}", index + 1);
             bad += 1;

@@ -17,6 +17,9 @@ pub enum ShadowConvention {
     Chauvenet,
     /// π_m + π_s ∓ s_s: the bare cone of the equatorial radius, no air.
     Geometric,
+    /// 3.6676 − 397.0001 D_m/D_s and 3.6676 + 404.3354 D_m/D_s Moon radii   [mueller2012, eqs. 4.14, 4.15]: the bare cone of the
+    /// Earth's mean radius, for comparison with that thesis.
+    Thesis,
 }
 
 /// How deep the Moon goes.
@@ -81,10 +84,15 @@ impl ShadowConvention {
         let parallax_moon = (EARTH_ECLIPSE_RADIUS_M / moon_distance_m).min(1.0).asin();
         let parallax_sun = (EARTH_ECLIPSE_RADIUS_M / sun_distance_m).min(1.0).asin();
         let sun = (SUN_RADIUS_M / sun_distance_m).min(1.0).asin();
+        if self == Self::Thesis {
+            let moon = (MOON_RADIUS_M / moon_distance_m).min(1.0).asin();
+            let ratio = moon_distance_m / sun_distance_m;
+            return ((3.6676 - 397.0001 * ratio) * moon, (3.6676 + 404.3354 * ratio) * moon);
+        }
         let radius = |sun: f64| match self {
             Self::Danjon => 1.01 * parallax_moon + parallax_sun + sun,
             Self::Chauvenet => 1.02 * (0.998_34 * parallax_moon + parallax_sun + sun),
-            Self::Geometric => parallax_moon + parallax_sun + sun,
+            Self::Geometric | Self::Thesis => parallax_moon + parallax_sun + sun,
         };
         (radius(-sun), radius(sun))
     }
@@ -229,6 +237,7 @@ mod tests {
         let ratio = |c: ShadowConvention| c.radii_rad(384_400e3, 1.495_978_707e11).0 / moon;
         assert!((ratio(ShadowConvention::Danjon) - 2.688).abs() < 0.005);
         assert!((ratio(ShadowConvention::Geometric) - 2.650).abs() < 0.005);
+        assert!((ratio(ShadowConvention::Thesis) - 2.648).abs() < 0.001);
         assert!(ratio(ShadowConvention::Chauvenet) > ratio(ShadowConvention::Danjon));
     }
 }

@@ -1,11 +1,34 @@
 use super::Target;
 use crate::apparent::Observer;
 use crate::body::Body;
+use crate::earth::{EarthOrientation, NutationModel};
 use crate::ephemeris::Ephemeris;
 use crate::error::{AstroError, Result, shown};
 use crate::place::Place;
 use crate::refraction::AirAtObserver;
-use crate::time::{Instant, JulianDateTt, JulianDateUt1};
+use crate::time::{Instant, JulianDateTt, JulianDateUt1, PolarMotion, polar_motion};
+
+/// What the rows of a table share.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Conditions {
+    /// The air for `refracted_altitude_deg`.
+    pub air: AirAtObserver,
+    /// Whether the pole's motion is taken into account where the IERS knows it (since 1962).
+    pub polar_motion: bool,
+}
+
+impl Conditions {
+    /// An observer under these conditions.
+    pub fn observer<'a>(&self, ephemeris: &'a dyn Ephemeris, instant: &Instant, place: &Place) -> Result<Observer<'a>> {
+        let pole = if self.polar_motion {
+            polar_motion(instant.tt().jd()).unwrap_or_default()
+        } else {
+            PolarMotion::default()
+        };
+        let orientation = EarthOrientation::with(instant, NutationModel::default(), pole);
+        Observer::with_orientation(ephemeris, instant, place, orientation)
+    }
+}
 
 /// The columns of a table of questions, found by name.
 #[derive(Debug, Clone, PartialEq)]
@@ -120,7 +143,12 @@ impl EphemerisTable {
     }
 
     /// Answers one row. The pair `jd_tt, jd_ut1` goes before `time_utc` where both are filled in.
-    pub fn answer<S: AsRef<str>>(&self, row: &[S], ephemeris: &dyn Ephemeris, air: &AirAtObserver) -> Result<Answer> {
+    pub fn answer<S: AsRef<str>>(
+        &self,
+        row: &[S],
+        ephemeris: &dyn Ephemeris,
+        conditions: &Conditions,
+    ) -> Result<Answer> {
         let field = |i: usize| row.get(i).map(|f| f.as_ref().trim()).unwrap_or_default();
         let number = |i: usize, what: &'static str| {
             let text = field(i);
@@ -151,7 +179,7 @@ impl EphemerisTable {
             number(self.longitude, "longitude_deg")?,
             height_m,
         )?;
-        Answer::of(&target, &Observer::new(ephemeris, &instant, &place)?, air)
+        Answer::of(&target, &conditions.observer(ephemeris, &instant, &place)?, &conditions.air)
     }
 }
 
@@ -165,7 +193,7 @@ mod tests {
     #[test]
     fn rows_are_answered_in_any_order_of_columns() {
         let table = EphemerisTable::from_header(&HEADER).unwrap();
-        let air = AirAtObserver::default();
+        let air = Conditions::default();
         let row = ["mine", "", "13.06", "52.4", "2012-09-06T12:00Z", "Moon", ""];
         let answer = table.answer(&row, &Fast, &air).unwrap();
         assert!(answer.values.iter().all(Option::is_some));
@@ -177,7 +205,7 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said() {
         let table = EphemerisTable::from_header(&HEADER).unwrap();
-        let air = AirAtObserver::default();
+        let air = Conditions::default();
         for (row, word) in [
             (["", "", "13", "99", "2012-09-06T12:00Z", "sun", ""], "latitude"),
             (["", "", "13", "NaN", "2012-09-06T12:00Z", "sun", ""], "latitude"),

@@ -5,5 +5,5 @@ mod ephemeris;
 mod target;
 
 pub use almanac::{Almanac, AlmanacEvent, BodyDay, almanac};
-pub use ephemeris::{Answer, EphemerisTable};
+pub use ephemeris::{Answer, Conditions, EphemerisTable};
 pub use target::Target;

@@ -72,6 +72,11 @@ impl Star {
         })
     }
 
+    /// The temperature as the thesis takes it   [mueller2012, eq. 4.26]: T = 7000 K / (B−V + 0.56), held within the same colours.
+    pub fn temperature_thesis_k(&self) -> Option<f64> {
+        self.b_minus_v.map(|bv| 7000.0 / (bv.clamp(-0.4, 2.5) + 0.56))
+    }
+
     /// Illuminance above the air in lx: 2.54e-6 lx at V = 0   [allen1973].
     pub fn illuminance_lx(&self) -> f64 {
         crate::physical::illuminance_lx(self.v_magnitude)
