@@ -250,8 +250,9 @@ impl SkyRenderer {
             self.write(encoder, self.view_buffer.clone(), offset, bytemuck::bytes_of(uniform));
         }
         self.belt.finish();
-        if exposure.is_none() {
-            self.record_metering(encoder, stamps);
+        match exposure {
+            None => self.record_metering(encoder, stamps),
+            Some(factor) => self.meter.set(encoder, factor),
         }
         self.prepared = views.len();
         Ok(())
@@ -265,6 +266,13 @@ impl SkyRenderer {
             return;
         }
         self.draw_slot(pass, &self.pipeline, view_index + 1);
+    }
+
+    /// One `Rgba32Float` texel whose red is the prepared frame's exposure factor, metered or fixed, before
+    /// compensation: for shaders that expose the host's geometry as the sky is exposed. Read it with `textureLoad`;
+    /// the format is not filterable. The view stays the same for the renderer's life.
+    pub fn exposure_view(&self) -> &wgpu::TextureView {
+        self.meter.exposure_view()
     }
 
     /// The texel that automatic exposure is kept in: factor, EV100, mean luminance.

@@ -42,6 +42,8 @@ pub use observer::Observer;
 pub use scene::{CameraParams, ClockParams, ObserverParams, ProjectionKind, Scene};
 pub use sky::Sky;
 
+// Their types are in this API.
+pub use glam;
 pub use wgpu;
 
 /// The crates that this one joins, for those who want to go deeper.

@@ -143,6 +143,14 @@ fn encode(
 ) -> std::result::Result<(), String> {
     use image::ImageEncoder;
     let (width, height) = (picture.width, picture.height);
+    let count = match &picture.pixels {
+        Pixels::Display(rgb) => rgb.len(),
+        Pixels::Radiance(rgb) => rgb.len(),
+    };
+    // Encoders panic on less.
+    if count as u64 != 3 * u64::from(width) * u64::from(height) || count == 0 {
+        return Err(format!("a picture of {width}x{height} needs three values for each pixel, got {count} in all"));
+    }
     match (format, &picture.pixels) {
         (FileFormat::Png, Pixels::Display(rgb)) => image::codecs::png::PngEncoder::new(writer)
             .write_image(rgb, width, height, image::ExtendedColorType::Rgb8)

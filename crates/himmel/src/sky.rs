@@ -85,6 +85,12 @@ impl Sky {
         self.renderer.draw(pass, view_index);
     }
 
+    /// The exposure that the prepared frame is drawn with, for your shaders: one texel, see
+    /// [`SkyRenderer::exposure_view`]. Multiply its red by 2^`output.compensation_ev` if you set that.
+    pub fn exposure_view(&self) -> &wgpu::TextureView {
+        self.renderer.exposure_view()
+    }
+
     /// Direction, colour and illuminance of the Sun and the sky, for your scene. Computed in f64 on the CPU (some
     /// milliseconds): ask when time or air changed, not for every object.
     pub fn light(&self) -> Result<Light> {
