@@ -42,7 +42,11 @@ fn noon() -> Result<(), GoldenError> {
 
 #[test]
 fn orbit() -> Result<(), GoldenError> {
-    radiance("orbit", "earth", &[("observer.altitude_m", "400000"), ("camera.look", "W,-18"), ("light.sun.altitude_deg", "8")])
+    radiance(
+        "orbit",
+        "earth",
+        &[("observer.altitude_m", "400000"), ("camera.look", "W,-18"), ("light.sun.altitude_deg", "8")],
+    )
 }
 
 #[test]
@@ -52,11 +56,19 @@ fn mars() -> Result<(), GoldenError> {
 
 #[test]
 fn look_of_sunset() -> Result<(), GoldenError> {
-    look("look-sunset", "earth", &[("clock.time", "2012-09-06T17:20Z"), ("camera.look", "sun"), ("camera.fov_deg", "20")])
+    look(
+        "look-sunset",
+        "earth",
+        &[("clock.time", "2012-09-06T17:20Z"), ("camera.look", "sun"), ("camera.fov_deg", "20")],
+    )
 }
 
 #[test]
 fn look_of_all_sky() -> Result<(), GoldenError> {
     let camera = [("camera.look", "zenith"), ("camera.projection", "fisheye"), ("camera.fov_deg", "180")];
-    look("look-all-sky", "earth", &[&camera[..], &[("light.sun.altitude_deg", "20"), ("output.tonemap", "agx")]].concat())
+    look(
+        "look-all-sky",
+        "earth",
+        &[&camera[..], &[("light.sun.altitude_deg", "20"), ("output.tonemap", "agx")]].concat(),
+    )
 }

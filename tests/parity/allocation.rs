@@ -9,7 +9,7 @@ fn frames_allocate_no_memory() {
     // A device of its own: on the shared one other tests allocate at the same time.
     let gpu = Gpu::open(Some(&gpu().report().name)).unwrap();
     let mut scene = model("earth", &[]).scene().clone();
-    scene.output.exposure = Exposure::Auto;
+    scene.output.exposure = Some(Exposure::Auto);
     let target = Target::new(wgpu::TextureFormat::Rgba8Unorm, Output::Display);
     let mut sky = Sky::with_scene(&gpu.device, &gpu.queue, &target, &scene).unwrap();
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
@@ -48,7 +48,8 @@ fn frames_allocate_no_memory() {
         frame();
     }
     let allocations = || {
-        let report = gpu.device.generate_allocator_report().expect("this adapter reports no allocations; run on Vulkan");
+        let report =
+            gpu.device.generate_allocator_report().expect("this adapter reports no allocations; run on Vulkan");
         (report.allocations.len(), report.total_allocated_bytes, report.total_reserved_bytes)
     };
     let before = allocations();

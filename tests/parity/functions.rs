@@ -29,12 +29,19 @@ fn spheres() {
     let kernel = Kernel::of("frame/sphere.wgsl");
     let inputs = rays(20_000);
     let gpu = kernel.evaluate(
-        &format!("vec4f(altitude_along({R:?}, in.x, in.y, in.z), top_distance({R:?}, {TOP:?}, in.x, in.y), \
-                  horizon_cosine({R:?}, in.x), 0.0)"),
+        &format!(
+            "vec4f(altitude_along({R:?}, in.x, in.y, in.z), top_distance({R:?}, {TOP:?}, in.x, in.y), \
+                  horizon_cosine({R:?}, in.x), 0.0)"
+        ),
         &inputs,
     );
     let cpu = twin(&inputs, |[h, mu, t, _]| {
-        [geometry::altitude_along(R, h, mu, t), geometry::top_distance(R, TOP, h, mu), geometry::horizon_cosine(R, h), 0.0]
+        [
+            geometry::altitude_along(R, h, mu, t),
+            geometry::top_distance(R, TOP, h, mu),
+            geometry::horizon_cosine(R, h),
+            0.0,
+        ]
     });
     // f32 holds 2 R h + … to 1e-7 of the largest term: 2 R t µ up to 1e13 m² gives 0.1 m of altitude; floor 1 km.
     let (worst, at) = worst_error(&gpu, &cpu, 1000.0);
@@ -78,11 +85,8 @@ fn shadow_of_the_planet() {
         [from.min(3e6), to.min(3e6), 0.0, 0.0]
     });
     // Grazing rays are ill-conditioned: the 99.5th percentile must lie within 1 km of 1,000 km.
-    let mut errors: Vec<f64> = gpu
-        .iter()
-        .zip(&cpu)
-        .map(|(a, b)| (0..2).map(|k| (f64::from(a[k]) - b[k]).abs()).fold(0.0, f64::max))
-        .collect();
+    let mut errors: Vec<f64> =
+        gpu.iter().zip(&cpu).map(|(a, b)| (0..2).map(|k| (f64::from(a[k]) - b[k]).abs()).fold(0.0, f64::max)).collect();
     errors.sort_by(f64::total_cmp);
     let p995 = errors[errors.len() * 995 / 1000];
     assert!(p995 < 1000.0, "{p995} m");

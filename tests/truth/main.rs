@@ -13,13 +13,16 @@ fn the_sun_stands_where_jpl_says() {
         let number = |i: usize| fields[i].parse::<f64>().expect("a number");
         let place = format!("{},{},{}", fields[1], fields[2], fields[3]);
         let mut scene = model.scene().clone();
-        for (key, value) in [("observer.place", place.as_str()), ("clock.time", fields[0]), ("observer.altitude_m", fields[3])] {
+        for (key, value) in
+            [("observer.place", place.as_str()), ("clock.time", fields[0]), ("observer.altitude_m", fields[3])]
+        {
             scene.set(key, value).expect("a setting");
         }
         model.set_scene(&scene).expect("a scene");
         let sun = model.sun().expect("a sun");
         let altitude = (sun.airless_altitude_deg - number(5)).abs();
-        let azimuth = ((sun.azimuth_deg - number(4) + 180.0).rem_euclid(360.0) - 180.0).abs() * number(5).to_radians().cos();
+        let azimuth =
+            ((sun.azimuth_deg - number(4) + 180.0).rem_euclid(360.0) - 180.0).abs() * number(5).to_radians().cos();
         assert!(altitude < 0.001 && azimuth < 0.001, "{line}: {} {}", sun.azimuth_deg, sun.airless_altitude_deg);
         assert!((sun.distance_au - number(6)).abs() < 1e-6);
     }
@@ -32,7 +35,10 @@ fn illuminance_is_near_the_published_one_by_day() {
     for (altitude, published, tolerance_dex) in [("60", 1.03e5, 0.1), ("30", 4.63e4, 0.12), ("10", 1.11e4, 0.25)] {
         let light = model("earth", &[("light.sun.altitude_deg", altitude)]).light().expect("light");
         let dex = (light.horizontal_illuminance_lx() / published).log10();
-        println!("Sun at {altitude}°: {:.0} lx, published {published:.0}: {dex:+.3} dex", light.horizontal_illuminance_lx());
+        println!(
+            "Sun at {altitude}°: {:.0} lx, published {published:.0}: {dex:+.3} dex",
+            light.horizontal_illuminance_lx()
+        );
         assert!(dex.abs() < tolerance_dex, "{altitude}°: {dex}");
     }
 }
@@ -40,7 +46,8 @@ fn illuminance_is_near_the_published_one_by_day() {
 /// Luminance of the Sun's disc above the air: 1.9e9 cd/m² on average (atmosphere.md §6), brighter in the middle.
 #[test]
 fn the_disc_has_its_luminance() {
-    let model = model("earth", &[("air.enabled", "off"), ("light.sun.distance_au", "1"), ("light.sun.altitude_deg", "45")]);
+    let model =
+        model("earth", &[("air.enabled", "off"), ("light.sun.distance_au", "1"), ("light.sun.altitude_deg", "45")]);
     let sun = model.frame().expect("a frame").sun;
     let luminance = |direction| {
         let rgb = model.luminance(direction).expect("a luminance");

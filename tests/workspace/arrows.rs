@@ -58,7 +58,8 @@ fn arrows_point_one_way() {
     }
     assert_eq!(violations(&arrows), Vec::<String>::new());
     for (name, _) in &arrows {
-        let known = RANKS.iter().any(|(known, _)| known == name) || ["xtask", "himmel-tests", "himmel-golden"].contains(&name.as_str());
+        let known = RANKS.iter().any(|(known, _)| known == name)
+            || ["xtask", "himmel-tests", "himmel-golden"].contains(&name.as_str());
         assert!(known, "{name} has no rank");
     }
 }

@@ -54,9 +54,13 @@ fn wgsl_layout(module: &naga::Module, name: &str) -> Option<(usize, Vec<(String,
 }
 
 fn difference(layout: &Layout, module: &naga::Module) -> Option<String> {
-    let Some((size, fields)) = wgsl_layout(module, layout.name) else { return Some(format!("{} is not in WGSL", layout.name)) };
-    let rust: Vec<(String, usize)> = layout.fields.iter().map(|(name, offset)| ((*name).to_string(), *offset)).collect();
-    (size != layout.size || fields != rust).then(|| format!("{}: Rust {} {rust:?}, WGSL {size} {fields:?}", layout.name, layout.size))
+    let Some((size, fields)) = wgsl_layout(module, layout.name) else {
+        return Some(format!("{} is not in WGSL", layout.name));
+    };
+    let rust: Vec<(String, usize)> =
+        layout.fields.iter().map(|(name, offset)| ((*name).to_string(), *offset)).collect();
+    (size != layout.size || fields != rust)
+        .then(|| format!("{}: Rust {} {rust:?}, WGSL {size} {fields:?}", layout.name, layout.size))
 }
 
 #[test]
@@ -69,7 +73,8 @@ fn shared_structs_have_the_same_offsets() {
 
 #[test]
 fn a_moved_field_is_noticed() {
-    let text = shader::module("sky.wgsl").replacen("bottom_radius_m: f32,\n", "moved: f32,\n    bottom_radius_m: f32,\n", 1);
+    let text =
+        shader::module("sky.wgsl").replacen("bottom_radius_m: f32,\n", "moved: f32,\n    bottom_radius_m: f32,\n", 1);
     let module = naga::front::wgsl::parse_str(&text).expect("still WGSL");
     assert!(SHARED.iter().any(|layout| difference(layout, &module).is_some()));
 }

@@ -77,6 +77,8 @@ impl From<himmel::Error> for Failure {
             | E::Look(_)
             | E::Camera(_)
             | E::Param(_)
+            | E::FileFormat { .. }
+            | E::Air(himmel::parts::air::AirError::UnknownPreset { .. })
             | E::Gpu(himmel::GpuError::Size { .. }) => 2,
             _ => 1,
         };

@@ -11,7 +11,7 @@ use crate::irradiance::{Directions, sky_irradiance, table_coordinate, table_elev
 use crate::medium::{Class, Medium, Sampled};
 use crate::params::{AirParams, GroundParams};
 use crate::preset::Preset;
-use crate::single::{March, Ray, march};
+use crate::single::{March, Ray, enter, march};
 use crate::sun;
 
 /// Columns of the table of sky irradiance on the ground.
@@ -113,8 +113,16 @@ impl Atmosphere {
         (columns::WIDTH, columns::HEIGHT)
     }
 
-    /// Transmittance from an altitude to space. `mu`: cosine of the zenith angle; 0 below the horizon.
+    /// Transmittance from an altitude, within the air or above it, to space. `mu`: cosine of the zenith angle; 0 below
+    /// the horizon.
     pub fn sun_transmittance(&self, altitude_m: f64, mu: f64) -> [f64; 4] {
+        if altitude_m > self.medium.top_altitude_m {
+            let ray = Ray { altitude_m, mu, mu_s: mu, nu: 1.0 };
+            return match enter(self.medium.bottom_radius_m, self.medium.top_altitude_m, &ray) {
+                Some(ray) => self.sun_transmittance(ray.altitude_m, ray.mu),
+                None => [1.0; 4],
+            };
+        }
         crate::single::sun_transmittance(&self.sampled(), &self.columns, altitude_m, mu)
     }
 
@@ -156,6 +164,17 @@ mod tests {
         assert_eq!(space.sky_irradiance(0.0, 0.5), [0.0; 4]);
         let lux = space.xyz([1.0; 4]).y;
         assert!((lux / 1.33e5 - 1.0).abs() < 0.02, "{lux}");
+    }
+
+    #[test]
+    fn from_orbit_the_sun_shines_until_it_meets_the_limb() {
+        let preset = Preset::named("earth").unwrap();
+        let air = Atmosphere::new(&preset, &AirParams::default(), &GroundParams::default());
+        let at = |degrees: f64| air.sun_transmittance(400e3, degrees.to_radians().sin())[1];
+        // The limb lies at −19.8°, the top of the air some 2° above it.
+        assert_eq!(at(-10.0), 1.0);
+        assert!(at(-18.5) > 0.9 && at(-19.6) < at(-18.5) && at(-19.6) > 0.0);
+        assert_eq!(at(-21.0), 0.0);
     }
 
     #[test]

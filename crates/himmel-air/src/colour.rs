@@ -44,7 +44,14 @@ const TRAINING_VIEW_DEG: [f64; 4] = [10.0, 50.0, 75.0, 87.0];
 const TRAINING_AZIMUTH_DEG: [f64; 3] = [10.0, 90.0, 180.0];
 
 /// The spectrum of the sky at one geometry, seen from the ground.
-pub fn sky_sample(medium: &Medium, columns: &Columns, four_nm: &[f64; 4], sun_deg: f64, view_deg: f64, azimuth_deg: f64) -> Sample {
+pub fn sky_sample(
+    medium: &Medium,
+    columns: &Columns,
+    four_nm: &[f64; 4],
+    sun_deg: f64,
+    view_deg: f64,
+    azimuth_deg: f64,
+) -> Sample {
     let (sun, view) = (sun_deg.to_radians(), view_deg.to_radians());
     let nu = view.sin() * sun.cos() * azimuth_deg.to_radians().cos() + view.cos() * sun.sin();
     let ray = Ray { altitude_m: 0.0, mu: view.cos(), mu_s: sun.sin(), nu: nu.clamp(-1.0, 1.0) };
@@ -59,14 +66,22 @@ fn beam_sample(medium: &Medium, columns: &Columns, four_nm: &[f64; 4], sun_deg: 
         columns.optical_depth(air, 0.0, mu).map(|depth| (-depth).exp())
     }
     let mu = sun_deg.to_radians().sin();
-    Sample { fine: through(&medium.sampled(&SPECTRAL_NM), columns, mu), four: through(&medium.sampled(four_nm), columns, mu) }
+    Sample {
+        fine: through(&medium.sampled(&SPECTRAL_NM), columns, mu),
+        four: through(&medium.sampled(four_nm), columns, mu),
+    }
 }
 
 /// XYZ-from-four-wavelengths: least squares over many skies and beams of this medium under this light.
 ///
 /// Rows X, Y, Z. Multiplies radiance per unit irradiance of the light (sr⁻¹) and gives cd m⁻² for Y; every sample is
 /// weighted by 1/Y, so that a dim twilight counts as much as noon. The light above the air is one of the samples.
-pub fn fit_xyz_from_four(medium: &Medium, columns: &Columns, light_w_m2_nm: &Spectrum, four_nm: &[f64; 4]) -> [DVec4; 3] {
+pub fn fit_xyz_from_four(
+    medium: &Medium,
+    columns: &Columns,
+    light_w_m2_nm: &Spectrum,
+    four_nm: &[f64; 4],
+) -> [DVec4; 3] {
     let mut samples = vec![Sample { fine: [1.0; 48], four: [1.0; 4] }];
     samples.extend([90.0, 30.0, 10.0, 4.0, 1.5].map(|sun_deg| beam_sample(medium, columns, four_nm, sun_deg)));
     for sun_deg in TRAINING_SUN_DEG {

@@ -149,7 +149,11 @@ impl Check<'_> {
     }
 
     fn positive(&self, what: &str, value: f64) -> Result<f64, AirError> {
-        if value.is_finite() && value > 0.0 { Ok(value) } else { Err(self.error(what, "be positive and finite", value)) }
+        if value.is_finite() && value > 0.0 {
+            Ok(value)
+        } else {
+            Err(self.error(what, "be positive and finite", value))
+        }
     }
 
     fn within(&self, what: &str, value: f64, low: f64, high: f64, law: &'static str) -> Result<f64, AirError> {
@@ -166,7 +170,14 @@ impl Check<'_> {
         }
     }
 
-    fn spectrum(&self, what: &str, table: SpectrumTable, low: f64, high: f64, law: &'static str) -> Result<Spectrum, AirError> {
+    fn spectrum(
+        &self,
+        what: &str,
+        table: SpectrumTable,
+        low: f64,
+        high: f64,
+        law: &'static str,
+    ) -> Result<Spectrum, AirError> {
         let spectrum = match table {
             SpectrumTable::Constant(value) => Spectrum::Constant(value),
             SpectrumTable::Whole(value) => Spectrum::Constant(value as f64),
@@ -183,11 +194,17 @@ impl Check<'_> {
         for &value in spectrum.values() {
             self.within(what, value, low, high, law)?;
         }
+        // A power law has its extremes at the ends of what is rendered.
+        for wavelength_nm in [360.0, 830.0] {
+            self.within(what, spectrum.at(wavelength_nm), low, high, law)?;
+        }
         Ok(spectrum)
     }
 
     fn profile(&self, what: &str, table: ProfileTable) -> Result<Profile, AirError> {
-        let km = |name: &str, value: f64| self.within(&format!("{what}.{name}"), value, 0.0, 1e5, "lie in 0..=1e5 km").map(|v| v * 1e3);
+        let km = |name: &str, value: f64| {
+            self.within(&format!("{what}.{name}"), value, 0.0, 1e5, "lie in 0..=1e5 km").map(|v| v * 1e3)
+        };
         Ok(match table {
             ProfileTable::Exponential { scale_height_km } => {
                 self.positive(&format!("{what}.scale_height_km"), scale_height_km)?;
@@ -198,7 +215,8 @@ impl Check<'_> {
                 Profile::Gaussian { centre_m: km("centre_km", centre_km)?, width_m: width_km * 1e3 }
             }
             ProfileTable::Tent { bottom_km, peak_km, top_km } => {
-                let (bottom_m, peak_m, top_m) = (km("bottom_km", bottom_km)?, km("peak_km", peak_km)?, km("top_km", top_km)?);
+                let (bottom_m, peak_m, top_m) =
+                    (km("bottom_km", bottom_km)?, km("peak_km", peak_km)?, km("top_km", top_km)?);
                 self.ascending(what, &[bottom_m, peak_m, top_m], 3)?;
                 Profile::Tent { bottom_m, peak_m, top_m }
             }
@@ -210,7 +228,8 @@ impl Check<'_> {
                 Profile::Table { altitude_m: altitude_km.iter().map(|&z| z * 1e3).collect(), value }
             }
             ProfileTable::OzoneUs1976 {} => {
-                let (altitude_m, value) = read_columns(include_str!("../../../assets/air/ozone_profile_us1976.csv"), 0, 1);
+                let (altitude_m, value) =
+                    read_columns(include_str!("../../../assets/air/ozone_profile_us1976.csv"), 0, 1);
                 let peak = value.iter().copied().fold(0.0, f64::max);
                 Profile::Table { altitude_m, value: value.iter().map(|v| v / peak).collect() }
             }
@@ -221,7 +240,8 @@ impl Check<'_> {
         let g = |table| self.spectrum(&format!("{what}.g"), table, -0.999, 0.999, "lie in -0.999..=0.999");
         Ok(match table {
             PhaseTable::Rayleigh { depolarisation } => {
-                let delta = self.within(&format!("{what}.depolarisation"), depolarisation, 0.0, 0.5, "lie in 0..=0.5")?;
+                let delta =
+                    self.within(&format!("{what}.depolarisation"), depolarisation, 0.0, 0.5, "lie in 0..=0.5")?;
                 Phase::Rayleigh { gamma: delta / (2.0 - delta) }
             }
             PhaseTable::HenyeyGreenstein { g: table } => Phase::HenyeyGreenstein { g: g(table)? },
@@ -233,6 +253,14 @@ impl Check<'_> {
         let what = |key: &str| format!("component {} (\"{}\").{key}", index + 1, table.name);
         let profile = self.profile(&what("profile"), table.profile)?;
         let column_m = profile.column_m(0.0, 1e7);
+        if !(column_m.is_finite() && column_m > 0.0) {
+            return Err(self.error(what("profile"), "hold something between the ground and 10,000 km", column_m));
+        }
+        let amounts = [table.number_density_per_m3, table.column_du];
+        if let (None, Some(extra)) = (table.cross_section, amounts.into_iter().flatten().next()) {
+            let law = "stand without number_density_per_m3 and column_du, which belong to cross_section";
+            return Err(self.error(what("extinction_per_m"), law, extra));
+        }
         let non_negative = |key: &str, spectrum| self.spectrum(&what(key), spectrum, 0.0, 1e6, "be zero or positive");
         let scaled = |spectrum: Spectrum, factor: f64| match spectrum {
             Spectrum::Constant(value) => Spectrum::Constant(value * factor),
@@ -243,41 +271,54 @@ impl Check<'_> {
                 Spectrum::PowerLaw { reference_nm, value: value * factor, exponent }
             }
         };
-        let (extinction, default_phase) = match (table.extinction_per_m, table.vertical_optical_depth, table.cross_section) {
-            (Some(per_m), None, None) => (non_negative("extinction_per_m", per_m)?, None),
-            (None, Some(depth), None) => (scaled(non_negative("vertical_optical_depth", depth)?, 1.0 / column_m), None),
-            (None, None, Some(kind)) => {
-                let per_m3 = match (table.number_density_per_m3, table.column_du) {
-                    (Some(density), None) => self.positive(&what("number_density_per_m3"), density)?,
-                    (None, Some(du)) => {
-                        self.within(&what("column_du"), du, 0.0, 1e6, "lie in 0..=1e6 DU")? * DOBSON_UNIT_PER_M2 / column_m
-                    }
-                    _ => return Err(self.error(what("cross_section"), "come with either number_density_per_m3 or column_du", 0.0)),
-                };
-                let spectrum = match kind {
-                    CrossSection::Air => {
-                        let wavelength_nm: Vec<f64> = (25..=90).map(|i| f64::from(i) * 10.0).collect();
-                        let value = wavelength_nm.iter().map(|&nm| air_cross_section_m2(nm)).collect();
-                        Spectrum::Table { wavelength_nm, value }
-                    }
-                    CrossSection::Ozone | CrossSection::OzoneAsPrinted => {
-                        let csv = include_str!("../../../assets/air/ozone_cross_section.csv");
-                        let (wavelength_nm, value) = read_columns(csv, 0, 1);
-                        let shift = if kind == CrossSection::Ozone { 5.0 } else { 0.0 };
-                        Spectrum::Table { wavelength_nm: wavelength_nm.iter().map(|nm| nm + shift).collect(), value }
-                    }
-                };
-                let phase = (kind == CrossSection::Air).then_some(Phase::Rayleigh { gamma: AIR_GAMMA });
-                (scaled(spectrum, per_m3), phase)
-            }
-            _ => {
-                return Err(self.error(
-                    what("extinction_per_m"),
-                    "be the only amount: give one of extinction_per_m, vertical_optical_depth, cross_section",
-                    0.0,
-                ));
-            }
-        };
+        let (extinction, default_phase) =
+            match (table.extinction_per_m, table.vertical_optical_depth, table.cross_section) {
+                (Some(per_m), None, None) => (non_negative("extinction_per_m", per_m)?, None),
+                (None, Some(depth), None) => {
+                    (scaled(non_negative("vertical_optical_depth", depth)?, 1.0 / column_m), None)
+                }
+                (None, None, Some(kind)) => {
+                    let per_m3 = match (table.number_density_per_m3, table.column_du) {
+                        (Some(density), None) => self.positive(&what("number_density_per_m3"), density)?,
+                        (None, Some(du)) => {
+                            self.within(&what("column_du"), du, 0.0, 1e6, "lie in 0..=1e6 DU")? * DOBSON_UNIT_PER_M2
+                                / column_m
+                        }
+                        _ => {
+                            return Err(self.error(
+                                what("cross_section"),
+                                "come with either number_density_per_m3 or column_du",
+                                0.0,
+                            ));
+                        }
+                    };
+                    let spectrum = match kind {
+                        CrossSection::Air => {
+                            let wavelength_nm: Vec<f64> = (25..=90).map(|i| f64::from(i) * 10.0).collect();
+                            let value = wavelength_nm.iter().map(|&nm| air_cross_section_m2(nm)).collect();
+                            Spectrum::Table { wavelength_nm, value }
+                        }
+                        CrossSection::Ozone | CrossSection::OzoneAsPrinted => {
+                            let csv = include_str!("../../../assets/air/ozone_cross_section.csv");
+                            let (wavelength_nm, value) = read_columns(csv, 0, 1);
+                            let shift = if kind == CrossSection::Ozone { 5.0 } else { 0.0 };
+                            Spectrum::Table {
+                                wavelength_nm: wavelength_nm.iter().map(|nm| nm + shift).collect(),
+                                value,
+                            }
+                        }
+                    };
+                    let phase = (kind == CrossSection::Air).then_some(Phase::Rayleigh { gamma: AIR_GAMMA });
+                    (scaled(spectrum, per_m3), phase)
+                }
+                _ => {
+                    return Err(self.error(
+                        what("extinction_per_m"),
+                        "be the only amount: give one of extinction_per_m, vertical_optical_depth, cross_section",
+                        0.0,
+                    ));
+                }
+            };
         let phase = match table.phase {
             Some(phase) => Some(self.phase(&what("phase"), phase)?),
             None => default_phase,
@@ -306,7 +347,8 @@ fn split(extinction: &Spectrum, albedo: &Spectrum) -> (Spectrum, Spectrum) {
     }
     // Elsewhere on a 5 nm grid: the product of two tables is not piecewise linear.
     let wavelength_nm: Vec<f64> = (0..=140).map(|i| 250.0 + 5.0 * f64::from(i)).collect();
-    let product = |f: &dyn Fn(f64) -> f64| wavelength_nm.iter().map(|&nm| extinction.at(nm) * f(albedo.at(nm))).collect();
+    let product =
+        |f: &dyn Fn(f64) -> f64| wavelength_nm.iter().map(|&nm| extinction.at(nm) * f(albedo.at(nm))).collect();
     let (scattering, absorption) = (product(&|a| a), product(&|a| 1.0 - a));
     (
         Spectrum::Table { wavelength_nm: wavelength_nm.clone(), value: scattering },
@@ -356,7 +398,9 @@ impl Preset {
         };
         let ground_albedo = check.spectrum("ground.albedo", file.ground.albedo, 0.0, 1.0, "lie in 0..=1")?;
         let sun_distance_au = match file.light {
-            Some(light) => Some(check.within("light.distance_au", light.distance_au, 1e-3, 1e4, "lie in 0.001..=1e4 au")?),
+            Some(light) => {
+                Some(check.within("light.distance_au", light.distance_au, 1e-3, 1e4, "lie in 0.001..=1e4 au")?)
+            }
             None => None,
         };
         Ok(Self {
@@ -392,8 +436,23 @@ mod tests {
             ("albedo = 0.1", "albedo = nan", vec!["ground.albedo", "NaN"]),
             ("scale_height_km = 8.0", "scale_height_km = 0.0", vec!["(\"air\").profile.scale_height_km", "positive"]),
             ("version = 1", "version = 7", vec!["version", "7"]),
-            ("single_scattering_albedo = 0.9", "single_scattering_albedo = 1.2", vec!["single_scattering_albedo", "1.2"]),
+            (
+                "single_scattering_albedo = 0.9",
+                "single_scattering_albedo = 1.2",
+                vec!["single_scattering_albedo", "1.2"],
+            ),
             ("column_du = 300", "colum_du = 300", vec!["colum_du"]),
+            (
+                "single_scattering_albedo = 0.9",
+                "single_scattering_albedo = { reference_nm = 550, value = 0.9, exponent = -3 }",
+                vec!["single_scattering_albedo", "0..=1"],
+            ),
+            ("extinction_per_m = 4.44e-6", "extinction_per_m = 4.44e-6\ncolumn_du = 3", vec!["aerosol", "column_du"]),
+            (
+                "exponential = { scale_height_km = 1.2 }",
+                "table = { altitude_km = [0, 1], value = [0, 0] }",
+                vec!["profile", "hold"],
+            ),
         ] {
             assert!(good.contains(from), "{from}");
             let error = Preset::from_toml(&good.replacen(from, to, 1), "test.toml").unwrap_err().to_string();

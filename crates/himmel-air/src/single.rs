@@ -46,11 +46,21 @@ pub fn enter(radius_m: f64, top_m: f64, ray: &Ray) -> Option<Ray> {
     }
     let root = ((r_top - impact) * (r_top + impact)).sqrt();
     let t = -r * ray.mu - root;
-    Some(Ray { altitude_m: top_m, mu: -root / r_top, mu_s: ((r * ray.mu_s + t * ray.nu) / r_top).clamp(-1.0, 1.0), nu: ray.nu })
+    Some(Ray {
+        altitude_m: top_m,
+        mu: -root / r_top,
+        mu_s: ((r * ray.mu_s + t * ray.nu) / r_top).clamp(-1.0, 1.0),
+        nu: ray.nu,
+    })
 }
 
 /// Transmittance from a point to the Sun; 0 in the planet's shadow.
-pub fn sun_transmittance<const N: usize>(air: &Sampled<'_, N>, columns: &Columns, altitude_m: f64, mu_s: f64) -> [f64; N] {
+pub fn sun_transmittance<const N: usize>(
+    air: &Sampled<'_, N>,
+    columns: &Columns,
+    altitude_m: f64,
+    mu_s: f64,
+) -> [f64; N] {
     if mu_s < crate::geometry::horizon_cosine(air.medium.bottom_radius_m, altitude_m) {
         return [0.0; N];
     }
@@ -148,7 +158,10 @@ mod tests {
                     for k in 0..3 {
                         let (a, b) = (coarse.radiance_per_sr[k], fine.radiance_per_sr[k]);
                         let error = (a - b).abs() / b.max(1e-7);
-                        assert!(error < tolerance, "sun {sun_zenith_deg} view {view_zenith_deg} az {azimuth_deg} band {k}: {a} {b}");
+                        assert!(
+                            error < tolerance,
+                            "sun {sun_zenith_deg} view {view_zenith_deg} az {azimuth_deg} band {k}: {a} {b}"
+                        );
                     }
                 }
             }

@@ -5,8 +5,8 @@ use std::sync::OnceLock;
 use glam::{DMat3, DVec3};
 
 use crate::constants::LUMINOUS_EFFICACY_LM_W;
-use crate::spectrum::read_columns;
 use crate::interpolate;
+use crate::spectrum::read_columns;
 
 /// Chromaticity of the CIE standard illuminant D65, 2° observer [iec61966-2-1].
 pub const D65_XY: (f64, f64) = (0.3127, 0.3290);

@@ -221,9 +221,11 @@ impl ParamType for f64 {
             Kind::Number { range, .. } if !range.contains(&number) => {
                 Err(ParamError::OutOfRange { key: info.key(), range: range.clone(), unit: info.unit, got: number })
             }
-            Kind::Number { whole: true, .. } if number.fract() != 0.0 => {
-                Err(ParamError::WrongType { key: info.key(), accepts: "a whole number".into(), got: number.to_string() })
-            }
+            Kind::Number { whole: true, .. } if number.fract() != 0.0 => Err(ParamError::WrongType {
+                key: info.key(),
+                accepts: "a whole number".into(),
+                got: number.to_string(),
+            }),
             _ => Ok(number),
         }
     }
@@ -452,7 +454,10 @@ mod tests {
     fn describes_itself() {
         let info = Sample::default().describe();
         assert_eq!(info.len(), 4);
-        assert_eq!((info[1].key().as_str(), info[1].unit, info[1].sentence.as_str()), ("sample.length_m", "m", "How long."));
+        assert_eq!(
+            (info[1].key().as_str(), info[1].unit, info[1].sentence.as_str()),
+            ("sample.length_m", "m", "How long.")
+        );
         assert_eq!(info[2].accepts(), "light | dark");
         assert_eq!(info[3].default, Value::Unset);
     }

@@ -4,7 +4,9 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GpuError {
     /// No adapter answers, or none whose name contains what was asked for.
-    #[error("no GPU adapter {wanted}; {found}. On Debian, `apt-get install mesa-vulkan-drivers libvulkan1` brings a software one")]
+    #[error(
+        "no GPU adapter {wanted}; {found}. On Debian, `apt-get install mesa-vulkan-drivers libvulkan1` brings a software one"
+    )]
     NoAdapter {
         /// What was looked for.
         wanted: String,
@@ -21,7 +23,9 @@ pub enum GpuError {
     #[error("the view does not fit: {0}")]
     View(String),
     /// The picture's size is out of bounds.
-    #[error("the picture must be 1 to {max} pixels wide and high and hold at most {max_pixels} pixels, got {width}x{height}")]
+    #[error(
+        "the picture must be 1 to {max} pixels wide and high and hold at most {max_pixels} pixels, got {width}x{height}"
+    )]
     Size {
         /// Width asked for.
         width: u32,

@@ -68,7 +68,8 @@ impl Gpu {
     /// Asks for no feature that WebGPU does not guarantee; takes time stamps where they are offered.
     pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
         let adapters = adapters();
-        let names: Vec<String> = adapters.iter().map(|adapter| AdapterReport::of(&adapter.get_info()).to_string()).collect();
+        let names: Vec<String> =
+            adapters.iter().map(|adapter| AdapterReport::of(&adapter.get_info()).to_string()).collect();
         let rank = |adapter: &wgpu::Adapter| {
             let info = adapter.get_info();
             let kind = match info.device_type {
@@ -102,6 +103,12 @@ impl Gpu {
             // The first reason is the one that counts.
             let _ = remember.set(format!("{reason:?}: {message}"));
         });
+        // Without a handler wgpu panics; with one the next `wait` says what happened.
+        let remember = Arc::clone(&lost);
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            tracing::error!(%error, "the GPU refused something");
+            let _ = remember.set(error.to_string().lines().map(str::trim).collect::<Vec<_>>().join(" "));
+        }));
         Ok(Self { adapter, device, queue, lost })
     }
 

@@ -81,7 +81,12 @@ pub struct SkyRenderer {
 
 impl SkyRenderer {
     /// Compiles pipelines for a target and uploads the air's tables.
-    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, atmosphere: &Atmosphere) -> Result<Self, GpuError> {
+    pub fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        target: &Target,
+        atmosphere: &Atmosphere,
+    ) -> Result<Self, GpuError> {
         target.check()?;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("sky"),
@@ -184,7 +189,12 @@ impl SkyRenderer {
     /// frame before [`draw`](Self::draw), with the encoder that is submitted before or with the pass that draws.
     ///
     /// Allocates nothing once running, unless there are more views than ever before.
-    pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, frame: &FrameState, views: &[View]) -> Result<(), GpuError> {
+    pub fn prepare(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameState,
+        views: &[View],
+    ) -> Result<(), GpuError> {
         self.prepare_timed(encoder, frame, views, None)
     }
 
@@ -216,10 +226,11 @@ impl SkyRenderer {
         }
         if uniforms.len() > self.capacity {
             self.capacity = uniforms.len().next_power_of_two();
-            (self.view_buffer, self.view_group) = view_buffer(&self.device, &self.view_layout, self.view_stride, self.capacity);
+            (self.view_buffer, self.view_group) =
+                view_buffer(&self.device, &self.view_layout, self.view_stride, self.capacity);
         }
         self.belt.recall();
-        let exposure = frame.output.exposure.factor();
+        let exposure = frame.output.exposure_for(self.target.output).factor();
         let compensation = frame.output.compensation_ev.exp2();
         let uniform = FrameUniform {
             sun_irradiance: frame.sun.irradiance as f32,
@@ -239,8 +250,9 @@ impl SkyRenderer {
             self.write(encoder, self.view_buffer.clone(), offset, bytemuck::bytes_of(uniform));
         }
         self.belt.finish();
-        if exposure.is_none() {
-            self.record_metering(encoder, stamps);
+        match exposure {
+            None => self.record_metering(encoder, stamps),
+            Some(factor) => self.meter.set(encoder, factor),
         }
         self.prepared = views.len();
         Ok(())
@@ -254,6 +266,13 @@ impl SkyRenderer {
             return;
         }
         self.draw_slot(pass, &self.pipeline, view_index + 1);
+    }
+
+    /// One `Rgba32Float` texel whose red is the prepared frame's exposure factor, metered or fixed, before
+    /// compensation: for shaders that expose the host's geometry as the sky is exposed. Read it with `textureLoad`;
+    /// the format is not filterable. The view stays the same for the renderer's life.
+    pub fn exposure_view(&self) -> &wgpu::TextureView {
+        self.meter.exposure_view()
     }
 
     /// The texel that automatic exposure is kept in: factor, EV100, mean luminance.
@@ -296,7 +315,8 @@ impl SkyRenderer {
         // Where the camera is from the planet's centre; altitude as (r² − R²) / (r + R), which cancels nothing.
         let shift = view.enu_from_view.w_axis.truncate();
         let centre = shift + DVec3::new(0.0, 0.0, r);
-        let excess = frame.altitude_m * (2.0 * radius_m + frame.altitude_m) + 2.0 * r * shift.z + shift.length_squared();
+        let excess =
+            frame.altitude_m * (2.0 * radius_m + frame.altitude_m) + 2.0 * r * shift.z + shift.length_squared();
         let altitude_m = excess / (radius_m + (radius_m * radius_m + excess).max(0.0).sqrt());
         let view_from_enu = glam::DMat3::from_mat4(view.enu_from_view).transpose();
         let up = centre.normalize_or(DVec3::Z);

@@ -50,10 +50,9 @@ fn look_direction(ndc: vec2f) -> vec3f {
     }
 }
 
-// Linear Rec. 709 in cd/m².
-fn sky_luminance(ray: vec3f, pixel: f32) -> vec3f {
-    let mu = dot(ray, view.up);
-    let start = enter(view.altitude_m, mu, length(cross(ray, view.up)), dot(view.sun, view.up), dot(ray, view.sun));
+// Radiance per unit irradiance of the Sun along a ray with zenith cosine mu.
+fn sky_radiance(ray: vec3f, pixel: f32, mu: f32, sin_theta: f32) -> vec4f {
+    let start = enter(view.altitude_m, mu, sin_theta, dot(view.sun, view.up), dot(ray, view.sun));
     let air = march_air(start, frame.steps);
     var behind = vec4f(0.0);
     if air.hits_ground {
@@ -61,7 +60,29 @@ fn sky_luminance(ray: vec3f, pixel: f32) -> vec3f {
     } else {
         behind = sun_disc_radiance(ray, pixel);
     }
-    let four = (air.radiance + air.transmittance * behind) * frame.sun_irradiance;
+    return air.radiance + air.transmittance * behind;
+}
+
+// Linear Rec. 709 in cd/m². The horizon is smoothed over a pixel: there the ground below and the sky above it are mixed.
+fn sky_luminance(ray: vec3f, pixel: f32) -> vec3f {
+    let mu = dot(ray, view.up);
+    let horizon = horizon_cosine(frame.bottom_radius_m, view.altitude_m);
+    // Height above the horizon in pixels; cosines near it differ as angles do, times the sine.
+    let sine = max(sqrt(1.0 - horizon * horizon), 1e-3);
+    let above = (mu - horizon) / (sine * max(pixel, 1e-9));
+    var four = vec4f(0.0);
+    if abs(above) >= 0.5 {
+        four = sky_radiance(ray, pixel, mu, length(cross(ray, view.up)));
+    } else {
+        // 1e-6 tells the two sides apart in f32. From within the air by the cosine, from above by the sine, R / r, which
+        // cancels nothing far away.
+        let sine_of_limb = frame.bottom_radius_m / (frame.bottom_radius_m + view.altitude_m);
+        for (var side = -1.0; side < 2.0; side += 2.0) {
+            let sin_theta = min(sine_of_limb * (1.0 + side * 1e-6), 1.0);
+            four += (0.5 + side * above) * sky_radiance(ray, pixel, min(horizon + side * 1e-6, 0.0), sin_theta);
+        }
+    }
+    four *= frame.sun_irradiance;
     return vec3f(
         dot(frame.rec709_from_four_r, four),
         dot(frame.rec709_from_four_g, four),

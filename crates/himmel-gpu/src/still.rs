@@ -4,7 +4,6 @@ use himmel_air::Atmosphere;
 
 use crate::error::GpuError;
 use crate::gpu::Gpu;
-use crate::output::params::Exposure;
 use crate::renderer::{FrameState, SkyRenderer};
 use crate::target::{Output, Target};
 use crate::timing::{PassTimes, Stamps};
@@ -37,7 +36,7 @@ pub struct Picture {
     pub pixels: Pixels,
     /// Factor by which luminance was multiplied.
     pub exposure: f64,
-    /// The exposure value that factor corresponds to.
+    /// The exposure value that this factor corresponds to, compensation included.
     pub ev100: f64,
     /// Times of the passes of the last tile, where the adapter measures them.
     pub times: PassTimes,
@@ -132,17 +131,16 @@ impl Still {
             }
         }
         let compensation = frame.output.compensation_ev.exp2();
-        let exposure = frame.output.exposure.factor().unwrap_or(f64::from(reading[0])) * compensation;
-        let ev100 = match frame.output.exposure {
-            Exposure::Auto => f64::from(reading[1]),
-            _ => -(exposure * 1.2).log2(),
-        };
+        let chosen = frame.output.exposure_for(self.renderer.target().output);
+        let exposure = chosen.factor().unwrap_or(f64::from(reading[0])) * compensation;
+        let ev100 = -(exposure * 1.2).log2();
         Ok(Picture { width, height, pixels, exposure, ev100, times })
     }
 
     fn draw_tile(&mut self, frame: &FrameState, view: &View) -> Result<([f32; 4], PassTimes), GpuError> {
         let Some(tile) = &self.tile else { return Err(GpuError::Device("no tile".into())) };
-        let mut encoder = self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("still") });
+        let mut encoder =
+            self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("still") });
         self.renderer.prepare_timed(&mut encoder, frame, std::slice::from_ref(view), self.stamps.as_mut())?;
         let target = tile.texture.create_view(&Default::default());
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -198,7 +196,8 @@ impl Still {
 
 impl Tile {
     fn new(gpu: &Gpu, size: (u32, u32), display: bool) -> Self {
-        let (format, texel) = if display { (wgpu::TextureFormat::Rgba8Unorm, 4) } else { (wgpu::TextureFormat::Rgba32Float, 16) };
+        let (format, texel) =
+            if display { (wgpu::TextureFormat::Rgba8Unorm, 4) } else { (wgpu::TextureFormat::Rgba32Float, 16) };
         let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("still tile"),
             size: wgpu::Extent3d { width: size.0, height: size.1, depth_or_array_layers: 1 },
@@ -219,11 +218,18 @@ impl Tile {
             })
         };
         let tile_bytes = u64::from(row_bytes) * u64::from(size.1);
-        Self { size, texture, row_bytes, buffer: buffer("still tile", tile_bytes), exposure: buffer("still exposure", 16) }
+        Self {
+            size,
+            texture,
+            row_bytes,
+            buffer: buffer("still tile", tile_bytes),
+            exposure: buffer("still exposure", 16),
+        }
     }
 
     fn as_destination(&self) -> wgpu::TexelCopyBufferInfo<'_> {
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.row_bytes), rows_per_image: None };
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.row_bytes), rows_per_image: None };
         wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout }
     }
 }

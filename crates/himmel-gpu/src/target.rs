@@ -16,8 +16,8 @@ pub enum DepthDirection {
 /// What is written into the colour attachment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Output {
-    /// Scene-linear Rec. 709: luminance in cd m⁻² times the exposure factor, which is 1 with
-    /// [`Exposure::None`](crate::Exposure::None).
+    /// Scene-linear Rec. 709: luminance in cd m⁻² times the exposure factor, which is 1 unless
+    /// someone chooses an [`Exposure`](crate::Exposure).
     /// Needs a float format. Values are clamped to what it holds (65,504 for 16-bit floats; the Sun's disc has 1.9e9 cd m⁻²).
     Radiance,
     /// Finished colour: exposed, tone mapped, display-encoded (by the format itself if it is an sRGB one), dithered.

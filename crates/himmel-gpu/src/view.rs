@@ -53,6 +53,19 @@ impl View {
         Self { projection, enu_from_view, aspect, part: [0.0, 0.0, 1.0, 1.0], first_pixel: [0, 0] }
     }
 
+    /// A host's camera: its projection as in [`Projection::Matrix`], and where it stands and looks as in
+    /// [`View::enu_from_view`].
+    pub fn from_camera(clip_from_view: DMat4, enu_from_view: DMat4) -> Self {
+        // The aspect is in the matrix already; only fisheyes ask for it.
+        Self {
+            projection: Projection::Matrix(clip_from_view),
+            enu_from_view,
+            aspect: 1.0,
+            part: [0.0, 0.0, 1.0, 1.0],
+            first_pixel: [0, 0],
+        }
+    }
+
     /// East-north-up from a right-handed world with x east, y up and z south, as most engines have it.
     pub fn enu_from_y_up() -> DMat4 {
         DMat4::from_cols(DVec4::X, DVec4::Z, -DVec4::Y, DVec4::W)
@@ -104,7 +117,11 @@ impl View {
                 let forward = self.enu_from_view.transform_vector3(-DVec3::Z);
                 let azimuth = forward.x.atan2(forward.y) + ndc[0] * std::f64::consts::PI;
                 let altitude = ndc[1] * std::f64::consts::FRAC_PI_2;
-                return Some(DVec3::new(azimuth.sin() * altitude.cos(), azimuth.cos() * altitude.cos(), altitude.sin()));
+                return Some(DVec3::new(
+                    azimuth.sin() * altitude.cos(),
+                    azimuth.cos() * altitude.cos(),
+                    altitude.sin(),
+                ));
             }
         };
         Some(self.enu_from_view.transform_vector3(look))
@@ -125,7 +142,10 @@ impl View {
         if let Projection::Fisheye(span) = self.projection
             && !(span > 0.0 && span <= 2.0 * std::f64::consts::PI)
         {
-            return Err(GpuError::View(format!("a fisheye spans more than 0° and at most 360°, got {}°", span.to_degrees())));
+            return Err(GpuError::View(format!(
+                "a fisheye spans more than 0° and at most 360°, got {}°",
+                span.to_degrees()
+            )));
         }
         if self.part.iter().any(|value| !value.is_finite()) || self.part[2] <= 0.0 || self.part[3] <= 0.0 {
             return Err(GpuError::View("the part that is drawn must be finite and not empty".into()));
@@ -162,6 +182,16 @@ mod tests {
                 let (a, b) = (view.direction(ndc).unwrap(), reference.direction(ndc).unwrap());
                 assert!((a - b).length() < 1e-9, "{projection} {ndc:?}: {a} {b}");
             }
+        }
+    }
+
+    #[test]
+    fn a_hosts_camera_is_the_same_view() {
+        let reference = View::looking(1.0, 0.3, 0.9, 1.5);
+        let Projection::Matrix(clip_from_view) = reference.projection else { unreachable!() };
+        let view = View::from_camera(clip_from_view, reference.enu_from_view);
+        for ndc in [[0.0, 0.0], [1.0, -1.0], [-0.3, 0.8]] {
+            assert_eq!(view.direction(ndc), reference.direction(ndc));
         }
     }
 

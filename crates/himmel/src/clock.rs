@@ -160,7 +160,8 @@ pub fn parse_time(text: &str, zone: &TimeZone) -> Result<Timestamp> {
         let reason = text.parse::<Timestamp>().err().map(|e| e.to_string()).unwrap_or_default();
         return Err(error(reason.lines().collect::<Vec<_>>().join(" ")));
     }
-    let civil: DateTime = text.parse().map_err(|e: jiff::Error| error(e.to_string().lines().collect::<Vec<_>>().join(" ")))?;
+    let civil: DateTime =
+        text.parse().map_err(|e: jiff::Error| error(e.to_string().lines().collect::<Vec<_>>().join(" ")))?;
     Ok(zone.to_timestamp(civil).map_err(|e| error(e.to_string()))?)
 }
 
@@ -175,7 +176,13 @@ mod tests {
     #[test]
     fn times_are_utc_offset_or_local() {
         let utc: Timestamp = "2012-09-06T18:00:00Z".parse().unwrap();
-        for text in ["2012-09-06T18:00Z", "2012-09-06T20:00+02:00", "2012-09-06T20:00", "2012-09-06 20:00:00", " 2012-09-06T20:00 "] {
+        for text in [
+            "2012-09-06T18:00Z",
+            "2012-09-06T20:00+02:00",
+            "2012-09-06T20:00",
+            "2012-09-06 20:00:00",
+            " 2012-09-06T20:00 ",
+        ] {
             assert_eq!(parse_time(text, &berlin()).unwrap(), utc, "{text}");
         }
         assert_eq!(parse_time("2012-09-06", &berlin()).unwrap().to_string(), "2012-09-05T22:00:00Z");
@@ -187,7 +194,9 @@ mod tests {
 
     #[test]
     fn what_is_no_time_says_how_to_write_one() {
-        for text in ["2012-13-45T99:00Z", "", "yesterday", "2012-09-06T25:00", "1e30", "2012-09-06T18:00+99:00", "🌞", "-"] {
+        for text in
+            ["2012-13-45T99:00Z", "", "yesterday", "2012-09-06T25:00", "1e30", "2012-09-06T18:00+99:00", "🌞", "-"]
+        {
             let error = parse_time(text, &berlin()).unwrap_err().to_string();
             assert!(error.contains("2012-09-06T18:00Z") && !error.contains('\n'), "{error}");
         }

@@ -19,7 +19,9 @@ pub enum Error {
         reason: String,
     },
     /// A direction to look that is not understood.
-    #[error("cannot look at \"{0}\"; give AZIMUTH,ALTITUDE in degrees, sun, sunward, zenith, nadir, a planet's or star's name, or a compass point such as NW or NW,20")]
+    #[error(
+        "cannot look at \"{0}\"; give AZIMUTH,ALTITUDE in degrees, sun, sunward, zenith, nadir, a planet's or star's name, or a compass point such as NW or NW,20"
+    )]
     Look(String),
     /// A camera setting that does not fit the projection.
     #[error("{0}")]
@@ -51,6 +53,12 @@ pub enum Error {
         path: PathBuf,
         /// The system's reason.
         source: std::io::Error,
+    },
+    /// A picture's name has no ending that is known.
+    #[error("the picture's name must end in .png, .jpg, .exr or .hdr, got {}", .path.display())]
+    FileFormat {
+        /// Its path.
+        path: PathBuf,
     },
     /// A file could not be written; nothing is left behind.
     #[error("cannot write {}: {reason}", .path.display())]

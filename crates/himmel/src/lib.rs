@@ -33,8 +33,8 @@ pub use error::{Error, Result};
 pub use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
-    AdapterReport, DepthDirection, Exposure, Gpu, GpuError, Output, OutputParams, PassTimes, Picture, Pixels, Projection, Still,
-    Target, Tonemap, View,
+    AdapterReport, DepthDirection, Exposure, Gpu, GpuError, Output, OutputParams, PassTimes, Picture, Pixels,
+    Projection, Still, Target, Tonemap, View,
 };
 pub use light::{Light, SunLight};
 pub use model::{SkyModel, SunPlace, visible_fraction};
@@ -42,6 +42,8 @@ pub use observer::Observer;
 pub use scene::{CameraParams, ClockParams, ObserverParams, ProjectionKind, Scene};
 pub use sky::Sky;
 
+// Their types are in this API.
+pub use glam;
 pub use wgpu;
 
 /// The crates that this one joins, for those who want to go deeper.

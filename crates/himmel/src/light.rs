@@ -17,6 +17,14 @@ pub struct SunLight {
     pub illuminance_lx: f64,
 }
 
+impl SunLight {
+    /// Illuminance as linear Rec. 709 whose luminance is [`illuminance_lx`](Self::illuminance_lx): times albedo / π and
+    /// the cosine it is what a matt surface shows, in cd m⁻².
+    pub fn rgb_lx(&self) -> DVec3 {
+        with_luminance(self.colour, self.illuminance_lx)
+    }
+}
+
 /// All light at the observer. The sky's part counts sunlight that is scattered once; the rest comes with multiple scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
@@ -24,11 +32,45 @@ pub struct Light {
     pub sun: SunLight,
     /// From the sky on a level surface, lx.
     pub sky_illuminance_lx: f64,
+    /// Of that light: linear Rec. 709, the largest channel 1.
+    pub sky_colour: [f64; 3],
 }
 
 impl Light {
+    /// The sky's illuminance of a level surface as linear Rec. 709; see [`SunLight::rgb_lx`].
+    pub fn sky_rgb_lx(&self) -> DVec3 {
+        with_luminance(self.sky_colour, self.sky_illuminance_lx)
+    }
+
     /// On a level surface, from Sun and sky, lx.
     pub fn horizontal_illuminance_lx(&self) -> f64 {
         self.sun.illuminance_lx * self.sun.direction_enu.z.max(0.0) + self.sky_illuminance_lx
+    }
+}
+
+/// A colour scaled to a luminance (Rec. 709's weights); black stays black.
+fn with_luminance(colour: [f64; 3], luminance: f64) -> DVec3 {
+    let colour = DVec3::from_array(colour);
+    let own = colour.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+    if own > 0.0 { colour * (luminance / own) } else { DVec3::ZERO }
+}
+
+/// Linear Rec. 709 with its largest channel 1; negative channels (colours outside Rec. 709) become 0.
+pub(crate) fn pure_colour(rec709: DVec3) -> [f64; 3] {
+    let largest = rec709.max_element();
+    if largest > 0.0 { (rec709 / largest).max(DVec3::ZERO).to_array() } else { [0.0; 3] }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rgb_has_the_illuminance_as_its_luminance() {
+        let colour = pure_colour(DVec3::new(4.0, 2.0, -1.0));
+        assert_eq!(colour, [1.0, 0.5, 0.0]);
+        let rgb = with_luminance(colour, 1000.0);
+        assert!((rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722)) - 1000.0).abs() < 1e-9);
+        assert_eq!(with_luminance(pure_colour(DVec3::ZERO), 0.0), DVec3::ZERO);
     }
 }

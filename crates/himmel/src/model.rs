@@ -11,7 +11,7 @@ use jiff::Timestamp;
 
 use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
-use crate::light::{Light, SunLight};
+use crate::light::{Light, SunLight, pure_colour};
 use crate::observer::Observer;
 use crate::scene::{ProjectionKind, Scene};
 
@@ -26,7 +26,7 @@ const EYE_HEIGHT_M: f64 = 2.0;
 /// scene.set("clock.time", "2012-09-06T16:00Z")?;
 /// let model = himmel::SkyModel::new(&scene)?;
 /// let light = model.light()?;
-/// assert!((light.sun.altitude_deg - 14.6).abs() < 0.2);
+/// assert!((light.sun.altitude_deg - 14.9).abs() < 0.1);
 /// assert!(light.horizontal_illuminance_lx() > 10_000.0);
 /// # Ok::<(), himmel::Error>(())
 /// ```
@@ -57,7 +57,11 @@ pub struct SunPlace {
 impl SkyModel {
     /// Reads place, time and preset of a scene and integrates the air's tables (about 40 ms).
     pub fn new(scene: &Scene) -> Result<Self> {
-        let preset = scene.load_preset()?;
+        Self::with_preset(scene, scene.load_preset()?)
+    }
+
+    /// As [`new`](Self::new), with an atmosphere of your own instead of the one that the scene names.
+    pub fn with_preset(scene: &Scene, preset: Preset) -> Result<Self> {
         let observer = Observer::at(&scene.observer.place)?;
         let mut clock = Clock::from_timestamp(parse_time(&scene.clock.time, &observer.time_zone)?);
         clock.set_rate(scene.clock.rate);
@@ -75,7 +79,7 @@ impl SkyModel {
         Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris })
     }
 
-    /// The settings.
+    /// The settings as they were given; observer and clock may have moved on since.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -128,9 +132,11 @@ impl SkyModel {
     }
 
     fn follow(&mut self, old: &Scene) -> Result<bool> {
-        let (observer_changed, clock_changed) = (self.scene.observer != old.observer, self.scene.clock != old.clock);
+        let clock_changed = self.scene.clock != old.clock;
         // Everything that can fail comes before anything that changes.
-        let observer = if observer_changed { Observer::at(&self.scene.observer.place)? } else { self.observer.clone() };
+        // A place that was set by hand stays until another one is named.
+        let place_changed = self.scene.observer.place != old.observer.place;
+        let observer = if place_changed { Observer::at(&self.scene.observer.place)? } else { self.observer.clone() };
         let time_changed = self.scene.clock.time != old.clock.time;
         let now = if time_changed { Some(parse_time(&self.scene.clock.time, &observer.time_zone)?) } else { None };
         let preset_changed = (&self.scene.preset, &self.scene.folder) != (&old.preset, &old.folder);
@@ -192,7 +198,7 @@ impl SkyModel {
         let lowest_mu = himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, altitude_m);
         // A disc that touches the horizon shines from its visible part, just above it.
         let mu = sun.altitude_deg.to_radians().sin().max(lowest_mu + 1e-9);
-        let through = self.atmosphere.sun_transmittance(altitude_m.min(self.atmosphere.medium().top_altitude_m), mu);
+        let through = self.atmosphere.sun_transmittance(altitude_m, mu);
         let beam = through.map(|t| t * visible * irradiance);
         let xyz = self.atmosphere.xyz(beam);
         let rec709 = self.atmosphere.rec709(beam);
@@ -202,22 +208,24 @@ impl SkyModel {
         } else {
             [0.0; 4]
         };
-        let largest = rec709.max_element();
         Ok(Light {
             sun: SunLight {
                 direction_enu: direction_enu(sun.azimuth_deg, sun.altitude_deg),
                 azimuth_deg: sun.azimuth_deg,
                 altitude_deg: sun.altitude_deg,
-                colour: if largest > 0.0 { (rec709 / largest).max(DVec3::ZERO).to_array() } else { [0.0; 3] },
+                colour: pure_colour(rec709),
                 illuminance_lx: xyz.y.max(0.0),
             },
             sky_illuminance_lx: self.atmosphere.xyz(sky).y.max(0.0),
+            sky_colour: pure_colour(self.atmosphere.rec709(sky)),
         })
     }
 
     /// Altitude of the geometric horizon, degrees (zero or negative).
     fn horizon_deg(&self) -> f64 {
-        himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, self.altitude_m()).asin().to_degrees()
+        himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, self.altitude_m())
+            .asin()
+            .to_degrees()
     }
 
     /// What the renderer needs for a frame.
@@ -263,9 +271,8 @@ impl SkyModel {
             }
             None => [0.0; 4],
         };
-        let four = std::array::from_fn(|k| {
-            (air.radiance_per_sr[k] + air.transmittance[k] * behind[k]) * sun.irradiance
-        });
+        let four =
+            std::array::from_fn(|k| (air.radiance_per_sr[k] + air.transmittance[k] * behind[k]) * sun.irradiance);
         Ok(self.atmosphere.rec709(four))
     }
 
@@ -295,7 +302,8 @@ impl SkyModel {
     pub fn view(&self) -> Result<View> {
         let camera = &self.scene.camera;
         let (azimuth_deg, altitude_deg) = self.look_deg()?;
-        let (azimuth, altitude, fov) = (azimuth_deg.to_radians(), altitude_deg.to_radians(), camera.fov_deg.to_radians());
+        let (azimuth, altitude, fov) =
+            (azimuth_deg.to_radians(), altitude_deg.to_radians(), camera.fov_deg.to_radians());
         let aspect = f64::from(self.scene.output.width_px) / f64::from(self.scene.output.height_px);
         match camera.projection {
             ProjectionKind::Perspective if camera.fov_deg >= 179.5 => Err(Error::Camera(format!(
@@ -345,7 +353,8 @@ fn look(text: &str, fov_deg: f64, sun: &SunPlace) -> Result<(f64, f64)> {
         "sun" => return Ok((sun.azimuth_deg, sun.altitude_deg)),
         // The horizon at the lower third of the picture.
         "sunward" => return Ok((sun.azimuth_deg, (fov_deg / 6.0).min(60.0))),
-        "zenith" => return Ok((0.0, 90.0)),
+        // As star charts and maps have it: north at the top, east on the left above and on the right below.
+        "zenith" => return Ok((180.0, 90.0)),
         "nadir" => return Ok((0.0, -90.0)),
         _ => {}
     }
@@ -375,8 +384,13 @@ fn look(text: &str, fov_deg: f64, sun: &SunPlace) -> Result<(f64, f64)> {
 mod tests {
     use super::*;
 
-    const SUN: SunPlace =
-        SunPlace { azimuth_deg: 250.0, altitude_deg: 10.0, airless_altitude_deg: 9.9, distance_au: 1.0, radius_deg: 0.27 };
+    const SUN: SunPlace = SunPlace {
+        azimuth_deg: 250.0,
+        altitude_deg: 10.0,
+        airless_altitude_deg: 9.9,
+        distance_au: 1.0,
+        radius_deg: 0.27,
+    };
 
     #[test]
     fn looks_are_understood() {
@@ -387,7 +401,7 @@ mod tests {
             ("-90, -10.5", (270.0, -10.5)),
             ("NW", (315.0, 10.0)),
             ("sse,20", (157.5, 20.0)),
-            ("zenith", (0.0, 90.0)),
+            ("zenith", (180.0, 90.0)),
         ] {
             assert_eq!(look(text, 60.0, &SUN).unwrap(), expected, "{text}");
         }

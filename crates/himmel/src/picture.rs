@@ -30,10 +30,9 @@ impl FileFormat {
             "jpg" | "jpeg" => Ok(Self::Jpeg),
             "exr" => Ok(Self::Exr),
             "hdr" => Ok(Self::Hdr),
-            _ => Err(Error::Write {
-                path: path.into(),
-                reason: "the name must end in .png, .jpg, .exr or .hdr".into(),
-            }),
+            _ => {
+                Err(Error::Write { path: path.into(), reason: "the name must end in .png, .jpg, .exr or .hdr".into() })
+            }
         }
     }
 
@@ -137,9 +136,21 @@ fn write_whole(
     Ok(())
 }
 
-fn encode(picture: &Picture, format: FileFormat, writer: &mut (impl Write + std::io::Seek)) -> std::result::Result<(), String> {
+fn encode(
+    picture: &Picture,
+    format: FileFormat,
+    writer: &mut (impl Write + std::io::Seek),
+) -> std::result::Result<(), String> {
     use image::ImageEncoder;
     let (width, height) = (picture.width, picture.height);
+    let count = match &picture.pixels {
+        Pixels::Display(rgb) => rgb.len(),
+        Pixels::Radiance(rgb) => rgb.len(),
+    };
+    // Encoders panic on less.
+    if count as u64 != 3 * u64::from(width) * u64::from(height) || count == 0 {
+        return Err(format!("a picture of {width}x{height} needs three values for each pixel, got {count} in all"));
+    }
     match (format, &picture.pixels) {
         (FileFormat::Png, Pixels::Display(rgb)) => image::codecs::png::PngEncoder::new(writer)
             .write_image(rgb, width, height, image::ExtendedColorType::Rgb8)
@@ -159,7 +170,11 @@ fn encode(picture: &Picture, format: FileFormat, writer: &mut (impl Write + std:
     }
 }
 
-fn encode_exr(picture: &Picture, rgb: &[f32], writer: &mut (impl Write + std::io::Seek)) -> std::result::Result<(), String> {
+fn encode_exr(
+    picture: &Picture,
+    rgb: &[f32],
+    writer: &mut (impl Write + std::io::Seek),
+) -> std::result::Result<(), String> {
     use exr::prelude::*;
     let width = picture.width as usize;
     let channels = SpecificChannels::rgb(|at: Vec2<usize>| {

@@ -164,7 +164,8 @@ impl Scene {
 
     /// Reads a scene's TOML; `file` stands in error messages. What the file does not say keeps its default.
     pub fn from_toml(text: &str, file: &str) -> Result<Self> {
-        let line_of = |offset: usize| text.as_bytes()[..offset.min(text.len())].iter().filter(|&&b| b == b'\n').count() + 1;
+        let line_of =
+            |offset: usize| text.as_bytes()[..offset.min(text.len())].iter().filter(|&&b| b == b'\n').count() + 1;
         let error = |offset: usize, message: String| Error::Scene {
             file: file.into(),
             message: format!("line {}: {message}", line_of(offset)),
@@ -180,7 +181,8 @@ impl Scene {
         while let Some((path, table)) = waiting.pop() {
             for (key, value) in table {
                 let at = key.span().start;
-                let full = if path.is_empty() { key.get_ref().to_string() } else { format!("{path}.{}", key.get_ref()) };
+                let full =
+                    if path.is_empty() { key.get_ref().to_string() } else { format!("{path}.{}", key.get_ref()) };
                 match (full.as_str(), value.get_ref()) {
                     ("version", value) => {
                         let number = value.as_integer().and_then(|i| i64::from_str_radix(i.as_str(), i.radix()).ok());
@@ -211,8 +213,11 @@ impl Scene {
                                 table.set(key.get_ref(), &value).map_err(|e| error(at, e.to_string()))?;
                             }
                             None => {
-                                let known = ["version", "preset"].into_iter().chain(Self::default().tables().map(|t| t.table()));
-                                let hint = nearest(&full, known).map_or_else(String::new, |name| format!(": did you mean {name}?"));
+                                let known = ["version", "preset"]
+                                    .into_iter()
+                                    .chain(Self::default().tables().map(|t| t.table()));
+                                let hint = nearest(&full, known)
+                                    .map_or_else(String::new, |name| format!(": did you mean {name}?"));
                                 return Err(error(at, format!("unknown key \"{}\"{hint}", shorten(&full))));
                             }
                         }

@@ -23,12 +23,15 @@ impl Sky {
     /// Compiles the pipelines for a target and uploads the air's tables. Stands in Potsdam, now; see [`set_observer`](Self::set_observer).
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, preset: &Preset) -> Result<Self> {
         let scene = Scene { preset: preset.name.clone(), ..Scene::default() };
-        Self::with_scene(device, queue, target, &scene)
+        Self::with_model(device, queue, target, SkyModel::with_preset(&scene, preset.clone())?)
     }
 
     /// As [`new`](Self::new), from a scene.
     pub fn with_scene(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, scene: &Scene) -> Result<Self> {
-        let model = SkyModel::new(scene)?;
+        Self::with_model(device, queue, target, SkyModel::new(scene)?)
+    }
+
+    fn with_model(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, model: SkyModel) -> Result<Self> {
         let renderer = SkyRenderer::new(device, queue, target, model.atmosphere())?;
         Ok(Self { model, renderer, queue: queue.clone() })
     }
@@ -80,6 +83,12 @@ impl Sky {
     /// Draws a prepared view into your pass, at infinite depth.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         self.renderer.draw(pass, view_index);
+    }
+
+    /// The exposure that the prepared frame is drawn with, for your shaders: one texel, see
+    /// [`SkyRenderer::exposure_view`]. Multiply its red by 2^`output.compensation_ev` if you set that.
+    pub fn exposure_view(&self) -> &wgpu::TextureView {
+        self.renderer.exposure_view()
     }
 
     /// Direction, colour and illuminance of the Sun and the sky, for your scene. Computed in f64 on the CPU (some

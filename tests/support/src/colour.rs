@@ -4,40 +4,16 @@
 
 /// Linear sRGB to CIE XYZ, rows X, Y, Z: the matrix that the sRGB primaries and D65 (0.3127, 0.3290) give.
 const XYZ_FROM_RGB: [[f64; 3]; 3] = [
-    [
-        0.412_390_799_265_959_5,
-        0.357_584_339_383_878,
-        0.180_480_788_401_834_3,
-    ],
-    [
-        0.212_639_005_871_510_36,
-        0.715_168_678_767_756,
-        0.072_192_315_360_733_71,
-    ],
-    [
-        0.019_330_818_715_591_85,
-        0.119_194_779_794_625_99,
-        0.950_532_152_249_660_5,
-    ],
+    [0.412_390_799_265_959_5, 0.357_584_339_383_878, 0.180_480_788_401_834_3],
+    [0.212_639_005_871_510_36, 0.715_168_678_767_756, 0.072_192_315_360_733_71],
+    [0.019_330_818_715_591_85, 0.119_194_779_794_625_99, 0.950_532_152_249_660_5],
 ];
 
 /// The inverse of [`XYZ_FROM_RGB`].
 const RGB_FROM_XYZ: [[f64; 3]; 3] = [
-    [
-        3.240_969_941_904_521_3,
-        -1.537_383_177_570_093_5,
-        -0.498_610_760_293_003_4,
-    ],
-    [
-        -0.969_243_636_280_879_8,
-        1.875_967_501_507_720_7,
-        0.041_555_057_407_175_61,
-    ],
-    [
-        0.055_630_079_696_993_61,
-        -0.203_976_958_888_976_57,
-        1.056_971_514_242_878_6,
-    ],
+    [3.240_969_941_904_521_3, -1.537_383_177_570_093_5, -0.498_610_760_293_003_4],
+    [-0.969_243_636_280_879_8, 1.875_967_501_507_720_7, 0.041_555_057_407_175_61],
+    [0.055_630_079_696_993_61, -0.203_976_958_888_976_57, 1.056_971_514_242_878_6],
 ];
 
 /// Relative luminance of linear sRGB (Rec. 709 primaries): the Y row of the matrix to XYZ.
@@ -49,21 +25,13 @@ pub(crate) fn luminance(rgb: [f64; 3]) -> f64 {
 /// An 8-bit sRGB code value as linear light in 0..=1.
 pub(crate) fn linear_from_srgb8(code: u8) -> f64 {
     let s = f64::from(code) / 255.0;
-    if s <= 0.04045 {
-        s / 12.92
-    } else {
-        ((s + 0.055) / 1.055).powf(2.4)
-    }
+    if s <= 0.04045 { s / 12.92 } else { ((s + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Linear light as the nearest 8-bit sRGB code value; values outside 0..=1 are clamped, NaN gives 0.
 pub(crate) fn srgb8_from_linear(linear: f64) -> u8 {
     let x = linear.clamp(0.0, 1.0);
-    let s = if x <= 0.003_130_8 {
-        12.92 * x
-    } else {
-        1.055 * x.powf(1.0 / 2.4) - 0.055
-    };
+    let s = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     (255.0 * s).round() as u8 // `as` saturates and takes NaN to 0
 }
 
@@ -98,11 +66,7 @@ pub(crate) fn linear_from_ycxcz(c: [f64; 3]) -> [f64; 3] {
 fn lab_from_linear(rgb: [f64; 3]) -> [f64; 3] {
     const DELTA: f64 = 6.0 / 29.0;
     let f = |t: f64| {
-        if t > DELTA.powi(3) {
-            t.cbrt()
-        } else {
-            t / (3.0 * DELTA * DELTA) + 4.0 / 29.0
-        }
+        if t > DELTA.powi(3) { t.cbrt() } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
     };
     let [x, y, z] = relative_xyz(rgb).map(f);
     [116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)]
@@ -122,18 +86,10 @@ mod tests {
 
     #[test]
     fn ycxcz_and_back_is_the_identity() {
-        for rgb in [
-            [0.0, 0.0, 0.0],
-            [1.0, 1.0, 1.0],
-            [0.2, 0.7, 0.05],
-            [1.0, 0.0, 0.3],
-        ] {
+        for rgb in [[0.0, 0.0, 0.0], [1.0, 1.0, 1.0], [0.2, 0.7, 0.05], [1.0, 0.0, 0.3]] {
             let back = linear_from_ycxcz(ycxcz_from_linear(rgb));
             for i in 0..3 {
-                assert!(
-                    (back[i] - rgb[i]).abs() < 1e-12,
-                    "{rgb:?} came back as {back:?}"
-                );
+                assert!((back[i] - rgb[i]).abs() < 1e-12, "{rgb:?} came back as {back:?}");
             }
         }
     }

@@ -100,9 +100,7 @@ pub enum GoldenError {
     #[error("cannot encode the picture: {0}")]
     Encode(String),
     /// `accept` was given a name that has no proposal.
-    #[error(
-        "golden `{name}` has no proposal; {available}; `cargo xtask golden propose` makes them"
-    )]
+    #[error("golden `{name}` has no proposal; {available}; `cargo xtask golden propose` makes them")]
     NoProposal {
         /// The name asked for.
         name: String,
@@ -113,9 +111,7 @@ pub enum GoldenError {
     #[error("{0}; usage: {usage}", usage = crate::cli::USAGE)]
     Usage(String),
     /// `cargo test` did not run through.
-    #[error(
-        "the golden tests did not run through ({0}); the proposals made so far can still be reviewed"
-    )]
+    #[error("the golden tests did not run through ({0}); the proposals made so far can still be reviewed")]
     Tests(String),
 }
 
@@ -127,15 +123,8 @@ impl std::fmt::Debug for GoldenError {
 
 impl GoldenError {
     /// For `map_err`: an I/O error with what was tried and where.
-    pub(crate) fn io(
-        action: &'static str,
-        path: &std::path::Path,
-    ) -> impl FnOnce(std::io::Error) -> Self {
+    pub(crate) fn io(action: &'static str, path: &std::path::Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_owned();
-        move |source| GoldenError::Io {
-            action,
-            source,
-            path,
-        }
+        move |source| GoldenError::Io { action, source, path }
     }
 }

@@ -33,15 +33,9 @@ pub type RadianceImage = RgbImage<f32>;
 impl<T: Copy> RgbImage<T> {
     /// A picture from its values; the size must be at least 1×1 and fit the values.
     pub fn new(width: usize, height: usize, rgb: Vec<T>) -> std::result::Result<Self, GoldenError> {
-        let pixels = width
-            .checked_mul(height)
-            .filter(|p| (1..=MAX_PIXELS).contains(p));
+        let pixels = width.checked_mul(height).filter(|p| (1..=MAX_PIXELS).contains(p));
         if pixels.map(|p| 3 * p) != Some(rgb.len()) {
-            return Err(GoldenError::Shape {
-                width,
-                height,
-                length: rgb.len(),
-            });
+            return Err(GoldenError::Shape { width, height, length: rgb.len() });
         }
         Ok(RgbImage { width, height, rgb })
     }
@@ -77,14 +71,7 @@ impl RadianceImage {
     ///
     /// NaN stays NaN and infinities become ±65504; checks refuse both before they come here.
     pub fn rounded_to_half(&self) -> RadianceImage {
-        RadianceImage {
-            rgb: self
-                .rgb
-                .iter()
-                .map(|&v| half_from_f32(v).to_f32())
-                .collect(),
-            ..*self
-        }
+        RadianceImage { rgb: self.rgb.iter().map(|&v| half_from_f32(v).to_f32()).collect(), ..*self }
     }
 }
 
@@ -112,14 +99,9 @@ pub fn decode_png(bytes: &[u8]) -> std::result::Result<Rgb8Image, String> {
     check_size(width as usize, height as usize)?;
     let colour = decoder.color_type();
     if !matches!(colour, ColorType::Rgb8 | ColorType::L8) {
-        return Err(format!(
-            "the PNG must be 8-bit RGB without transparency, it is {colour:?}"
-        ));
+        return Err(format!("the PNG must be 8-bit RGB without transparency, it is {colour:?}"));
     }
-    let rgb = image::DynamicImage::from_decoder(decoder)
-        .map_err(not_png)?
-        .into_rgb8()
-        .into_raw();
+    let rgb = image::DynamicImage::from_decoder(decoder).map_err(not_png)?.into_rgb8().into_raw();
     RgbImage::new(width as usize, height as usize, rgb).map_err(|e| e.to_string())
 }
 
@@ -130,18 +112,10 @@ pub fn encode_exr(picture: &RadianceImage) -> std::result::Result<Vec<u8>, Golde
         let [r, g, b] = [0, 1, 2].map(|c| half_from_f32(picture.rgb[i + c]));
         (r, g, b)
     };
-    let encoding = Encoding {
-        compression: Compression::ZIP16,
-        blocks: Blocks::ScanLines,
-        line_order: LineOrder::Increasing,
-    };
+    let encoding =
+        Encoding { compression: Compression::ZIP16, blocks: Blocks::ScanLines, line_order: LineOrder::Increasing };
     let size = (picture.width, picture.height);
-    let layer = Layer::new(
-        size,
-        LayerAttributes::default(),
-        encoding,
-        SpecificChannels::rgb(pixel),
-    );
+    let layer = Layer::new(size, LayerAttributes::default(), encoding, SpecificChannels::rgb(pixel));
     let mut bytes = Cursor::new(Vec::new());
     Image::from_layer(layer)
         .write()
@@ -161,17 +135,10 @@ pub fn decode_exr(bytes: &[u8]) -> std::result::Result<RadianceImage, String> {
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), true).map_err(not_exr)?;
     for header in &meta.headers {
         check_size(header.layer_size.width(), header.layer_size.height())?;
-        let plain = [
-            Compression::Uncompressed,
-            Compression::RLE,
-            Compression::ZIP1,
-            Compression::ZIP16,
-        ];
+        let plain = [Compression::Uncompressed, Compression::RLE, Compression::ZIP1, Compression::ZIP16];
         if !plain.contains(&header.compression) {
             let found = header.compression;
-            return Err(format!(
-                "a golden is uncompressed, RLE or ZIP, this OpenEXR file is {found}"
-            ));
+            return Err(format!("a golden is uncompressed, RLE or ZIP, this OpenEXR file is {found}"));
         }
     }
     let read = read()
@@ -197,9 +164,7 @@ pub fn decode_exr(bytes: &[u8]) -> std::result::Result<RadianceImage, String> {
 fn check_size(width: usize, height: usize) -> std::result::Result<(), String> {
     match width.checked_mul(height) {
         Some(1..=MAX_PIXELS) => Ok(()),
-        _ => Err(format!(
-            "the picture claims {width}×{height} pixels, at most {MAX_PIXELS} are read"
-        )),
+        _ => Err(format!("the picture claims {width}×{height} pixels, at most {MAX_PIXELS} are read")),
     }
 }
 
@@ -211,20 +176,16 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> std::result::Result<(), GoldenE
     let file_name = path.file_name().unwrap_or_default().to_string_lossy();
     let count = COUNTER.fetch_add(1, Ordering::Relaxed);
     let temporary = folder.join(format!(".{file_name}.{}.{count}.tmp", std::process::id()));
-    std::fs::write(&temporary, bytes)
-        .and_then(|()| std::fs::rename(&temporary, path))
-        .map_err(|e| {
-            let _ = std::fs::remove_file(&temporary); // the first error is the one to report
-            GoldenError::io("write the file", path)(e)
-        })
+    std::fs::write(&temporary, bytes).and_then(|()| std::fs::rename(&temporary, path)).map_err(|e| {
+        let _ = std::fs::remove_file(&temporary); // the first error is the one to report
+        GoldenError::io("write the file", path)(e)
+    })
 }
 
 /// Removes a file that may not be there.
 pub fn remove_if_there(path: &Path) -> std::result::Result<(), GoldenError> {
     match std::fs::remove_file(path) {
-        Err(e) if e.kind() != std::io::ErrorKind::NotFound => {
-            Err(GoldenError::io("remove the file", path)(e))
-        }
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => Err(GoldenError::io("remove the file", path)(e)),
         _ => Ok(()),
     }
 }

@@ -8,9 +8,7 @@
 //!
 //! Checked against NVIDIA's own C++ implementation to 3e-5: see `tests/flip_truth.rs`. 1280×720 takes about 0.7 s.
 
-use crate::colour::{
-    hunt_lab_from_linear, linear_from_srgb8, linear_from_ycxcz, ycxcz_from_linear,
-};
+use crate::colour::{hunt_lab_from_linear, linear_from_srgb8, linear_from_ycxcz, ycxcz_from_linear};
 use crate::error::GoldenError;
 use crate::files::Rgb8Image;
 use std::f64::consts::PI;
@@ -64,11 +62,7 @@ pub struct FlipStats {
 ///
 /// Laws tested: identical pictures give 0; symmetric; within 0..=1; black against white gives 0.96738
 /// (grey differs less than the widest pair of the gamut, green against blue, which gives 1).
-pub fn flip(
-    reference: &Rgb8Image,
-    test: &Rgb8Image,
-    pixels_per_degree: f64,
-) -> Result<Flip, GoldenError> {
+pub fn flip(reference: &Rgb8Image, test: &Rgb8Image, pixels_per_degree: f64) -> Result<Flip, GoldenError> {
     if !PIXELS_PER_DEGREE_RANGE.contains(&pixels_per_degree) {
         return Err(GoldenError::PixelsPerDegree(pixels_per_degree));
     }
@@ -79,10 +73,7 @@ pub fn flip(
         });
     }
     let (a, b) = (Planes::new(reference), Planes::new(test));
-    let (colour_a, colour_b) = (
-        a.seen_colours(pixels_per_degree),
-        b.seen_colours(pixels_per_degree),
-    );
+    let (colour_a, colour_b) = (a.seen_colours(pixels_per_degree), b.seen_colours(pixels_per_degree));
     let (features_a, features_b) = (a.features(pixels_per_degree), b.features(pixels_per_degree));
     let largest = largest_colour_difference();
     let map: Vec<f64> = (0..a.y.len())
@@ -92,12 +83,7 @@ pub fn flip(
             colour.powf(1.0 - feature)
         })
         .collect();
-    Ok(Flip {
-        width: reference.width(),
-        height: reference.height(),
-        stats: stats(&map),
-        map,
-    })
+    Ok(Flip { width: reference.width(), height: reference.height(), stats: stats(&map), map })
 }
 
 /// Mean, weighted median and maximum of a map.
@@ -126,10 +112,7 @@ fn colour_difference(a: [f64; 3], b: [f64; 3]) -> f64 {
 
 /// The colour difference of pure green and pure blue, the widest pair of the sRGB gamut.
 fn largest_colour_difference() -> f64 {
-    colour_difference(
-        hunt_lab_from_linear([0.0, 1.0, 0.0]),
-        hunt_lab_from_linear([0.0, 0.0, 1.0]),
-    )
+    colour_difference(hunt_lab_from_linear([0.0, 1.0, 0.0]), hunt_lab_from_linear([0.0, 0.0, 1.0]))
 }
 
 /// Squeezes a colour difference into 0..=1: linear up to 0.95 at 0.4 of the largest, linear again from there to 1.
@@ -172,8 +155,7 @@ impl Planes {
             cz: Vec::with_capacity(count),
         };
         for pixel in image.rgb().chunks_exact(3) {
-            let [y, cx, cz] =
-                ycxcz_from_linear([pixel[0], pixel[1], pixel[2]].map(|c| linear[usize::from(c)]));
+            let [y, cx, cz] = ycxcz_from_linear([pixel[0], pixel[1], pixel[2]].map(|c| linear[usize::from(c)]));
             planes.y.push(y);
             planes.cx.push(cx);
             planes.cz.push(cz);
@@ -188,18 +170,12 @@ impl Planes {
     /// (a, b): achromatic (1, 0.0047); red–green (1, 0.0053); blue–yellow (34.1, 0.04) + (13.5, 0.025).
     fn seen_colours(&self, pixels_per_degree: f64) -> Vec<[f64; 3]> {
         let blur = |plane: &[f64], gaussians: &[(f64, f64)]| {
-            let sum: f64 = gaussians
-                .iter()
-                .map(|&g| csf_kernel(g, pixels_per_degree).1)
-                .sum();
+            let sum: f64 = gaussians.iter().map(|&g| csf_kernel(g, pixels_per_degree).1).sum();
             let mut blurred = vec![0.0; plane.len()];
             for &gaussian in gaussians {
                 let (kernel, weight) = csf_kernel(gaussian, pixels_per_degree);
                 let part = self.filter(plane, &kernel, &kernel);
-                blurred
-                    .iter_mut()
-                    .zip(part)
-                    .for_each(|(all, p)| *all += p * weight / sum);
+                blurred.iter_mut().zip(part).for_each(|(all, p)| *all += p * weight / sum);
             }
             blurred
         };
@@ -207,11 +183,7 @@ impl Planes {
         let cx = blur(&self.cx, &[(1.0, 0.0053)]);
         let cz = blur(&self.cz, &[(34.1, WIDEST_CSF_B), (13.5, 0.025)]);
         (0..y.len())
-            .map(|i| {
-                hunt_lab_from_linear(
-                    linear_from_ycxcz([y[i], cx[i], cz[i]]).map(|c| c.clamp(0.0, 1.0)),
-                )
-            })
+            .map(|i| hunt_lab_from_linear(linear_from_ycxcz([y[i], cx[i], cz[i]]).map(|c| c.clamp(0.0, 1.0))))
             .collect()
     }
 
@@ -222,11 +194,7 @@ impl Planes {
         let length_of = |kernel: &[f64]| -> Vec<f64> {
             let along_x = self.filter(&lightness, kernel, &kernels.across);
             let along_y = self.filter(&lightness, &kernels.across, kernel);
-            along_x
-                .iter()
-                .zip(along_y)
-                .map(|(x, y)| x.hypot(y))
-                .collect()
+            along_x.iter().zip(along_y).map(|(x, y)| x.hypot(y)).collect()
         };
         let (edges, points) = (length_of(&kernels.edge), length_of(&kernels.point));
         edges.into_iter().zip(points).map(|(e, p)| [e, p]).collect()
@@ -253,10 +221,7 @@ impl Planes {
             for (k, weight) in kernel_y.iter().enumerate() {
                 let from = (y + k).saturating_sub(radius).min(h - 1);
                 let source = &rows[from * w..(from + 1) * w];
-                target
-                    .iter_mut()
-                    .zip(source)
-                    .for_each(|(out, v)| *out += v * weight);
+                target.iter_mut().zip(source).for_each(|(out, v)| *out += v * weight);
             }
         }
         columns
@@ -271,9 +236,8 @@ const WIDEST_CSF_B: f64 = 0.04;
 /// The radius is three standard deviations of the widest, r = ⌈3 √(b / (2π²)) p⌉     [andersson2020flip, colour pipeline]
 fn csf_kernel((a, b): (f64, f64), pixels_per_degree: f64) -> (Vec<f64>, f64) {
     let radius = (3.0 * (WIDEST_CSF_B / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i64;
-    let mut kernel: Vec<f64> = (-radius..=radius)
-        .map(|i| (-(PI * i as f64 / pixels_per_degree).powi(2) / b).exp())
-        .collect();
+    let mut kernel: Vec<f64> =
+        (-radius..=radius).map(|i| (-(PI * i as f64 / pixels_per_degree).powi(2) / b).exp()).collect();
     let sum: f64 = kernel.iter().sum();
     kernel.iter_mut().for_each(|k| *k /= sum);
     (kernel, a * (PI / b).sqrt() * sum * sum)
@@ -294,9 +258,8 @@ impl FeatureKernels {
         let sigma = 0.5 * FEATURE_WIDTH_DEGREES * pixels_per_degree;
         let radius = (3.0 * sigma).ceil() as i64;
         let kernel = |f: &dyn Fn(f64) -> f64| -> Vec<f64> {
-            let raw: Vec<f64> = (-radius..=radius)
-                .map(|i| f(i as f64) * (-(i as f64).powi(2) / (2.0 * sigma * sigma)).exp())
-                .collect();
+            let raw: Vec<f64> =
+                (-radius..=radius).map(|i| f(i as f64) * (-(i as f64).powi(2) / (2.0 * sigma * sigma)).exp()).collect();
             let positive: f64 = raw.iter().filter(|k| **k > 0.0).sum();
             let negative: f64 = -raw.iter().filter(|k| **k < 0.0).sum::<f64>();
             raw.iter()

@@ -36,11 +36,7 @@ pub enum Mode {
 impl Mode {
     /// The mode that `HIMMEL_GOLDEN` asks for: `check` (or unset, or empty) or `propose`.
     pub fn from_env() -> Result<Self, GoldenError> {
-        Mode::parse(
-            &std::env::var_os(MODE_VARIABLE)
-                .unwrap_or_default()
-                .to_string_lossy(),
-        )
+        Mode::parse(&std::env::var_os(MODE_VARIABLE).unwrap_or_default().to_string_lossy())
     }
 
     fn parse(value: &str) -> Result<Self, GoldenError> {
@@ -105,15 +101,8 @@ pub struct Report {
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(
-            f,
-            "golden `{}` ({}): {}",
-            self.name,
-            self.kind.extension(),
-            self.verdict.word()
-        )?;
-        self.numbers
-            .map_or(Ok(()), |numbers| write!(f, "  {numbers}"))
+        write!(f, "golden `{}` ({}): {}", self.name, self.kind.extension(), self.verdict.word())?;
+        self.numbers.map_or(Ok(()), |numbers| write!(f, "  {numbers}"))
     }
 }
 
@@ -127,24 +116,14 @@ pub(crate) struct Judgement {
 
 impl GoldenSet {
     /// The goldens in `accepted_dir`, with proposals in `work_dir`, in the mode that `HIMMEL_GOLDEN` asks for.
-    pub fn new(
-        accepted_dir: impl Into<PathBuf>,
-        work_dir: impl Into<PathBuf>,
-    ) -> Result<Self, GoldenError> {
-        Ok(GoldenSet {
-            accepted_dir: accepted_dir.into(),
-            work_dir: work_dir.into(),
-            mode: Mode::from_env()?,
-        })
+    pub fn new(accepted_dir: impl Into<PathBuf>, work_dir: impl Into<PathBuf>) -> Result<Self, GoldenError> {
+        Ok(GoldenSet { accepted_dir: accepted_dir.into(), work_dir: work_dir.into(), mode: Mode::from_env()? })
     }
 
     /// This workspace's goldens: `tests/golden/accepted` and `target/golden`.
     pub fn of_workspace() -> Result<Self, GoldenError> {
         let root = workspace_root();
-        GoldenSet::new(
-            root.join("tests/golden/accepted"),
-            root.join("target/golden"),
-        )
+        GoldenSet::new(root.join("tests/golden/accepted"), root.join("target/golden"))
     }
 
     /// Compares a picture in linear light, three values a pixel, with the accepted EXR of this name.
@@ -161,11 +140,7 @@ impl GoldenSet {
         check_name(name)?;
         let picture = RadianceImage::new(width, height, rgb.to_vec())?;
         self.refuse_non_finite(name, &picture)?;
-        self.check(
-            name,
-            Picture::Exr(picture.rounded_to_half()),
-            Limits::Exr(tolerance),
-        )
+        self.check(name, Picture::Exr(picture.rounded_to_half()), Limits::Exr(tolerance))
     }
 
     /// Compares a finished 8-bit sRGB picture, three values a pixel, with the accepted PNG of this name.
@@ -189,10 +164,7 @@ impl GoldenSet {
             Picture::Png(_) => (Kind::Png, Kind::Exr),
         };
         if self.accepted_path(name, other).exists() {
-            return Err(GoldenError::OtherKind {
-                name: name.to_owned(),
-                path: self.accepted_path(name, other),
-            });
+            return Err(GoldenError::OtherKind { name: name.to_owned(), path: self.accepted_path(name, other) });
         }
         let judgement = self.judge(name, kind, &new, &limits)?;
         let mut report = Report {
@@ -210,10 +182,7 @@ impl GoldenSet {
             write_whole(&self.work_path(name, "diff.png"), &encode_png(&heat)?)?;
         }
         // The picture last: whoever finds a proposal finds its tolerance too.
-        write_whole(
-            &self.work_path(name, "new.txt"),
-            tolerance_file(kind, &limits).as_bytes(),
-        )?;
+        write_whole(&self.work_path(name, "new.txt"), tolerance_file(kind, &limits).as_bytes())?;
         let proposal = self.proposal_path(name, kind);
         write_whole(&proposal, &new.encode()?)?;
         let reason = match &report.verdict {
@@ -223,11 +192,7 @@ impl GoldenSet {
             Verdict::Fail(reason) | Verdict::Broken(reason) => Some(reason.clone()),
         };
         match reason {
-            Some(reason) => Err(GoldenError::Failed {
-                name: name.to_owned(),
-                reason,
-                proposal,
-            }),
+            Some(reason) => Err(GoldenError::Failed { name: name.to_owned(), reason, proposal }),
             None => {
                 report.proposal = Some(proposal);
                 Ok(report)
@@ -243,40 +208,21 @@ impl GoldenSet {
         new: &Picture,
         limits: &Limits,
     ) -> Result<Judgement, GoldenError> {
-        let verdict_alone = |verdict| Judgement {
-            verdict,
-            numbers: None,
-            heat: None,
-            accepted: None,
-        };
+        let verdict_alone = |verdict| Judgement { verdict, numbers: None, heat: None, accepted: None };
         let accepted = match read_picture(&self.accepted_path(name, kind), kind) {
             Ok(Some(accepted)) => accepted,
             Ok(None) => return Ok(verdict_alone(Verdict::New)),
             Err(e) => {
-                return Ok(verdict_alone(Verdict::Broken(format!(
-                    "the accepted picture is {e}"
-                ))));
+                return Ok(verdict_alone(Verdict::Broken(format!("the accepted picture is {e}"))));
             }
         };
         if accepted.size() != new.size() {
-            let sentence = GoldenError::SizesDiffer {
-                accepted: accepted.size(),
-                new: new.size(),
-            }
-            .to_string();
-            return Ok(Judgement {
-                accepted: Some(accepted),
-                ..verdict_alone(Verdict::Fail(sentence))
-            });
+            let sentence = GoldenError::SizesDiffer { accepted: accepted.size(), new: new.size() }.to_string();
+            return Ok(Judgement { accepted: Some(accepted), ..verdict_alone(Verdict::Fail(sentence)) });
         }
         let (numbers, heat) = compare(&accepted, new, limits)?;
         let verdict = numbers.beyond(limits).map_or(Verdict::Pass, Verdict::Fail);
-        Ok(Judgement {
-            verdict,
-            numbers: Some(numbers),
-            heat: Some(heat),
-            accepted: Some(accepted),
-        })
+        Ok(Judgement { verdict, numbers: Some(numbers), heat: Some(heat), accepted: Some(accepted) })
     }
 
     /// NaN and infinities are never proposed: accepted once, they would hide every later one.
@@ -292,25 +238,17 @@ impl GoldenSet {
         let difference = self.work_path(name, "diff.png");
         write_whole(&difference, &encode_png(&heat)?)?;
         let (x, y) = (first % picture.width(), first / picture.width());
-        Err(GoldenError::NonFinite {
-            name: name.to_owned(),
-            pixels: bad.len(),
-            x,
-            y,
-            difference,
-        })
+        Err(GoldenError::NonFinite { name: name.to_owned(), pixels: bad.len(), x, y, difference })
     }
 
     /// Removes what earlier checks and reviews left of this golden in the work folder.
     pub(crate) fn clear(&self, name: &str) -> Result<(), GoldenError> {
         let left = ["new.exr", "new.png", "new.txt", "diff.png", "sheet.png"];
-        left.iter()
-            .try_for_each(|ending| remove_if_there(&self.work_path(name, ending)))
+        left.iter().try_for_each(|ending| remove_if_there(&self.work_path(name, ending)))
     }
 
     pub(crate) fn accepted_path(&self, name: &str, kind: Kind) -> PathBuf {
-        self.accepted_dir
-            .join(format!("{name}.{}", kind.extension()))
+        self.accepted_dir.join(format!("{name}.{}", kind.extension()))
     }
 
     pub(crate) fn proposal_path(&self, name: &str, kind: Kind) -> PathBuf {
@@ -326,19 +264,13 @@ impl GoldenSet {
 pub(crate) fn check_name(name: &str) -> Result<(), GoldenError> {
     let plain = |c: u8| c.is_ascii_alphanumeric() || c == b'-' || c == b'_';
     let good = (1..=64).contains(&name.len()) && name.bytes().all(plain) && !name.starts_with('-');
-    if good {
-        Ok(())
-    } else {
-        Err(GoldenError::Name(name.to_owned()))
-    }
+    if good { Ok(()) } else { Err(GoldenError::Name(name.to_owned())) }
 }
 
 /// A picture from a file, `None` where there is no such file; the error is a clause without the path's own.
 pub(crate) fn read_picture(path: &Path, kind: Kind) -> Result<Option<Picture>, String> {
     match std::fs::read(path) {
-        Ok(bytes) => Picture::decode(kind, &bytes)
-            .map(Some)
-            .map_err(|e| format!("unreadable, {e}")),
+        Ok(bytes) => Picture::decode(kind, &bytes).map(Some).map_err(|e| format!("unreadable, {e}")),
         Err(e) if e.kind() == std::io::ErrorKind::NotFound => Ok(None),
         Err(e) => Err(format!("unreadable ({e})")),
     }
@@ -357,9 +289,7 @@ fn tolerance_file(kind: Kind, limits: &Limits) -> String {
 pub(crate) fn parse_tolerance_file(kind: Kind, text: &str) -> Option<Limits> {
     let mut lines = text.lines();
     (lines.next()? == format!("kind = {}", kind.extension())).then_some(())?;
-    let values: Option<Vec<f64>> = lines
-        .map(|line| line.split_once(" = ")?.1.parse().ok())
-        .collect();
+    let values: Option<Vec<f64>> = lines.map(|line| line.split_once(" = ")?.1.parse().ok()).collect();
     let limits = Limits::from_values(kind, &values?)?;
     (limits.validate().is_ok() && tolerance_file(kind, &limits) == text).then_some(limits)
 }
@@ -376,32 +306,15 @@ mod tests {
 
     #[test]
     fn tolerances_survive_their_file() {
-        for limits in [
-            Limits::Exr(Tolerance::default()),
-            Limits::Png(FlipTolerance {
-                mean: 0.1 + 0.2,
-                max: 1e-9,
-            }),
-        ] {
-            let kind = if matches!(limits, Limits::Exr(_)) {
-                Kind::Exr
-            } else {
-                Kind::Png
-            };
+        for limits in [Limits::Exr(Tolerance::default()), Limits::Png(FlipTolerance { mean: 0.1 + 0.2, max: 1e-9 })] {
+            let kind = if matches!(limits, Limits::Exr(_)) { Kind::Exr } else { Kind::Png };
             let text = tolerance_file(kind, &limits);
             assert_eq!(parse_tolerance_file(kind, &text), Some(limits), "{text}");
             for end in 0..text.len() {
-                assert_eq!(
-                    parse_tolerance_file(kind, &text[..end]),
-                    None,
-                    "cut after {end} bytes"
-                );
+                assert_eq!(parse_tolerance_file(kind, &text[..end]), None, "cut after {end} bytes");
             }
         }
-        assert_eq!(
-            parse_tolerance_file(Kind::Png, "kind = png\nmean = NaN\nmax = inf\n"),
-            None
-        );
+        assert_eq!(parse_tolerance_file(Kind::Png, "kind = png\nmean = NaN\nmax = inf\n"), None);
     }
 
     #[test]
@@ -417,19 +330,7 @@ mod tests {
         for good in ["twilight", "eclipse-2024_totality", "A", "_"] {
             assert!(check_name(good).is_ok(), "{good}");
         }
-        for bad in [
-            "",
-            ".",
-            "..",
-            "a/b",
-            "a\\b",
-            "a.new",
-            "--all",
-            "ä",
-            "a b",
-            "a\n",
-            &"x".repeat(65),
-        ] {
+        for bad in ["", ".", "..", "a/b", "a\\b", "a.new", "--all", "ä", "a b", "a\n", &"x".repeat(65)] {
             assert!(check_name(bad).is_err(), "{bad:?}");
         }
     }

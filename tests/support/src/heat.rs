@@ -48,17 +48,9 @@ pub fn flip_heat(width: usize, height: usize, map: &[f64]) -> Result<Rgb8Image, 
 /// A map of relative errors on a logarithmic scale, 1e-4 black to 1 pale yellow; green where not finite.
 pub fn relative_heat(width: usize, height: usize, map: &[f64]) -> Result<Rgb8Image, GoldenError> {
     let part = |e: f64| {
-        if e == 0.0 {
-            0.0
-        } else {
-            1.0 - e.log10() / SMALLEST_SHOWN.log10()
-        }
+        if e == 0.0 { 0.0 } else { 1.0 - e.log10() / SMALLEST_SHOWN.log10() }
     };
-    Rgb8Image::new(
-        width,
-        height,
-        map.iter().flat_map(|&e| magma(part(e))).collect(),
-    )
+    Rgb8Image::new(width, height, map.iter().flat_map(|&e| magma(part(e))).collect())
 }
 
 /// The exposure that puts the picture's log-average luminance at middle grey, 0.18; 1 where nothing shines.
@@ -70,11 +62,7 @@ pub fn exposure_of(picture: &RadianceImage) -> f64 {
         .map(|p| luminance(p.map(f64::from)))
         .filter(|y| y.is_finite() && *y > 0.0)
         .fold((0.0, 0u32), |(sum, count), y| (sum + y.ln(), count + 1));
-    if count == 0 {
-        1.0
-    } else {
-        0.18 / (sum / f64::from(count)).exp()
-    }
+    if count == 0 { 1.0 } else { 0.18 / (sum / f64::from(count)).exp() }
 }
 
 /// Linear light for a screen: each channel k v / (1 + k v), then sRGB     [reinhard2002tone, eq. 3]
@@ -86,35 +74,19 @@ pub fn tone_mapped(picture: &RadianceImage, exposure: f64) -> Rgb8Image {
         srgb8_from_linear(x / (1.0 + x))
     };
     let pixel = |p: [f32; 3]| {
-        if p.iter().all(|v| v.is_finite()) {
-            p.map(tone)
-        } else {
-            NOT_FINITE
-        }
+        if p.iter().all(|v| v.is_finite()) { p.map(tone) } else { NOT_FINITE }
     };
     let rgb = picture.pixels().flat_map(pixel).collect();
-    Rgb8Image::new(picture.width(), picture.height(), rgb)
-        .expect("as many pixels as the picture has")
+    Rgb8Image::new(picture.width(), picture.height(), rgb).expect("as many pixels as the picture has")
 }
 
 /// Pictures side by side, top-aligned; grey paper of the given size where one is missing.
-pub fn sheet(
-    panels: &[Option<Rgb8Image>],
-    missing: (usize, usize),
-) -> Result<Rgb8Image, GoldenError> {
+pub fn sheet(panels: &[Option<Rgb8Image>], missing: (usize, usize)) -> Result<Rgb8Image, GoldenError> {
     let size = |p: &Option<Rgb8Image>| p.as_ref().map_or(missing, Rgb8Image::size);
-    let width = panels
-        .iter()
-        .map(|p| size(p).0 + GAP)
-        .sum::<usize>()
-        .saturating_sub(GAP);
+    let width = panels.iter().map(|p| size(p).0 + GAP).sum::<usize>().saturating_sub(GAP);
     let height = panels.iter().map(|p| size(p).1).max().unwrap_or(0);
     if width.saturating_mul(height) > MAX_PIXELS {
-        return Err(GoldenError::Shape {
-            width,
-            height,
-            length: 0,
-        }); // before the memory is asked for
+        return Err(GoldenError::Shape { width, height, length: 0 }); // before the memory is asked for
     }
     let mut rgb = vec![PAPER; 3 * width * height];
     let mut left = 0;
@@ -165,10 +137,7 @@ mod tests {
         let all = sheet(&[Some(red), None, Some(blue)], (4, 2)).unwrap();
         assert_eq!(all.size(), (2 + 8 + 4 + 8 + 1, 3));
         let at = |x: usize, y: usize| all.pixels().nth(y * 23 + x).unwrap();
-        assert_eq!(
-            (at(1, 0), at(1, 1), at(12, 0)),
-            ([255, 0, 0], [PAPER; 3], [PAPER; 3])
-        );
+        assert_eq!((at(1, 0), at(1, 1), at(12, 0)), ([255, 0, 0], [PAPER; 3], [PAPER; 3]));
         assert_eq!((at(22, 0), at(22, 2)), ([0, 0, 255], [0, 0, 255]));
     }
 }

@@ -30,9 +30,7 @@ mod radiance;
 mod review;
 
 pub use error::{GoldenError, Size};
-pub use files::{
-    MAX_PIXELS, RadianceImage, Rgb8Image, RgbImage, decode_exr, decode_png, encode_exr, encode_png,
-};
+pub use files::{MAX_PIXELS, RadianceImage, Rgb8Image, RgbImage, decode_exr, decode_png, encode_exr, encode_png};
 pub use flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, FlipStats, flip};
 pub use golden::{GoldenSet, MODE_VARIABLE, Mode, Report, Verdict};
 pub use heat::{exposure_of, flip_heat, relative_heat, sheet, tone_mapped};

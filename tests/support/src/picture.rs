@@ -49,13 +49,7 @@ impl Default for Tolerance {
     ///
     /// The median of 0.002 is two steps of a half float.
     fn default() -> Self {
-        Tolerance {
-            floor: 0.01,
-            median: 0.002,
-            p99: 0.01,
-            p999: 0.05,
-            max: 0.25,
-        }
+        Tolerance { floor: 0.01, median: 0.002, p99: 0.01, p999: 0.05, max: 0.25 }
     }
 }
 
@@ -71,10 +65,7 @@ pub struct FlipTolerance {
 impl Default for FlipTolerance {
     /// Even one step of all greys (0.03) or one star gone (0.4 where it was) fails; a few pixels of rounding pass.
     fn default() -> Self {
-        FlipTolerance {
-            mean: 0.005,
-            max: 0.2,
-        }
+        FlipTolerance { mean: 0.005, max: 0.2 }
     }
 }
 
@@ -90,13 +81,7 @@ impl Limits {
     pub(crate) fn fields(&self) -> Vec<(&'static str, f64)> {
         match self {
             Limits::Exr(t) => {
-                vec![
-                    ("floor", t.floor),
-                    ("median", t.median),
-                    ("99 %", t.p99),
-                    ("99.9 %", t.p999),
-                    ("max", t.max),
-                ]
+                vec![("floor", t.floor), ("median", t.median), ("99 %", t.p99), ("99.9 %", t.p999), ("max", t.max)]
             }
             Limits::Png(t) => vec![("mean", t.mean), ("max", t.max)],
         }
@@ -105,13 +90,9 @@ impl Limits {
     /// The limits of the kind from values in the order of [`Limits::fields`].
     pub(crate) fn from_values(kind: Kind, values: &[f64]) -> Option<Self> {
         match (kind, values) {
-            (Kind::Exr, &[floor, median, p99, p999, max]) => Some(Limits::Exr(Tolerance {
-                floor,
-                median,
-                p99,
-                p999,
-                max,
-            })),
+            (Kind::Exr, &[floor, median, p99, p999, max]) => {
+                Some(Limits::Exr(Tolerance { floor, median, p99, p999, max }))
+            }
             (Kind::Png, &[mean, max]) => Some(Limits::Png(FlipTolerance { mean, max })),
             _ => None,
         }
@@ -119,11 +100,7 @@ impl Limits {
 
     /// Refuses limits that nothing or everything would pass.
     pub(crate) fn validate(&self) -> Result<(), GoldenError> {
-        match self
-            .fields()
-            .into_iter()
-            .find(|(_, value)| !(value.is_finite() && *value >= 0.0))
-        {
+        match self.fields().into_iter().find(|(_, value)| !(value.is_finite() && *value >= 0.0)) {
             Some((field, value)) => Err(GoldenError::Tolerance { field, value }),
             None => Ok(()),
         }
@@ -157,11 +134,7 @@ impl Numbers {
             Numbers::Radiance(s) => format!(" (worst at x {}, y {})", s.worst.0, s.worst.1),
             Numbers::Flip(_) => String::new(),
         };
-        let kind = if matches!(self, Numbers::Radiance(_)) {
-            "relative error"
-        } else {
-            "FLIP"
-        };
+        let kind = if matches!(self, Numbers::Radiance(_)) { "relative error" } else { "FLIP" };
         (!beyond.is_empty()).then(|| format!("it differs: {kind} {}{place}", beyond.join(", ")))
     }
 }
@@ -170,23 +143,11 @@ impl fmt::Display for Numbers {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Numbers::Radiance(s) => {
-                write!(
-                    f,
-                    "median {:.5}  99 % {:.5}  99.9 % {:.5}  max {:.5}",
-                    s.median, s.p99, s.p999, s.max
-                )?;
-                if s.non_finite > 0 {
-                    write!(f, "  not finite {}", s.non_finite)
-                } else {
-                    Ok(())
-                }
+                write!(f, "median {:.5}  99 % {:.5}  99.9 % {:.5}  max {:.5}", s.median, s.p99, s.p999, s.max)?;
+                if s.non_finite > 0 { write!(f, "  not finite {}", s.non_finite) } else { Ok(()) }
             }
             Numbers::Flip(s) => {
-                write!(
-                    f,
-                    "mean {:.5}  weighted median {:.5}  max {:.5}",
-                    s.mean, s.weighted_median, s.max
-                )
+                write!(f, "mean {:.5}  weighted median {:.5}  max {:.5}", s.mean, s.weighted_median, s.max)
             }
         }
     }
@@ -224,12 +185,9 @@ impl Picture {
     /// The indices of the pixels that are NaN or infinite.
     pub(crate) fn non_finite(&self) -> Vec<usize> {
         match self {
-            Picture::Exr(picture) => picture
-                .pixels()
-                .enumerate()
-                .filter(|(_, p)| !p.iter().all(|v| v.is_finite()))
-                .map(|(i, _)| i)
-                .collect(),
+            Picture::Exr(picture) => {
+                picture.pixels().enumerate().filter(|(_, p)| !p.iter().all(|v| v.is_finite())).map(|(i, _)| i).collect()
+            }
             Picture::Png(_) => Vec::new(),
         }
     }
@@ -252,35 +210,18 @@ impl Picture {
 }
 
 /// Numbers and heat map of two pictures of the same kind and size.
-pub(crate) fn compare(
-    accepted: &Picture,
-    new: &Picture,
-    limits: &Limits,
-) -> Result<(Numbers, Rgb8Image), GoldenError> {
+pub(crate) fn compare(accepted: &Picture, new: &Picture, limits: &Limits) -> Result<(Numbers, Rgb8Image), GoldenError> {
     match (accepted, new) {
         (Picture::Exr(a), Picture::Exr(b)) => {
-            let floor = if let Limits::Exr(t) = limits {
-                t.floor
-            } else {
-                0.0
-            };
+            let floor = if let Limits::Exr(t) = limits { t.floor } else { 0.0 };
             let found = compare_radiance(a, b, floor)?;
-            Ok((
-                Numbers::Radiance(found.stats),
-                relative_heat(found.width, found.height, &found.map)?,
-            ))
+            Ok((Numbers::Radiance(found.stats), relative_heat(found.width, found.height, &found.map)?))
         }
         (Picture::Png(a), Picture::Png(b)) => {
             let found = flip(a, b, DEFAULT_PIXELS_PER_DEGREE)?;
-            Ok((
-                Numbers::Flip(found.stats),
-                flip_heat(found.width, found.height, &found.map)?,
-            ))
+            Ok((Numbers::Flip(found.stats), flip_heat(found.width, found.height, &found.map)?))
         }
         // Kinds come from file endings, so this needs a caller's mistake; sizes are the nearest sentence.
-        _ => Err(GoldenError::SizesDiffer {
-            accepted: accepted.size(),
-            new: new.size(),
-        }),
+        _ => Err(GoldenError::SizesDiffer { accepted: accepted.size(), new: new.size() }),
     }
 }

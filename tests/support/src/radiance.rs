@@ -50,35 +50,20 @@ pub fn compare_radiance(
     floor_fraction: f64,
 ) -> Result<Radiance, GoldenError> {
     if reference.size() != test.size() {
-        return Err(GoldenError::SizesDiffer {
-            accepted: reference.size(),
-            new: test.size(),
-        });
+        return Err(GoldenError::SizesDiffer { accepted: reference.size(), new: test.size() });
     }
     if !(floor_fraction.is_finite() && floor_fraction >= 0.0) {
-        return Err(GoldenError::Tolerance {
-            field: "floor",
-            value: floor_fraction,
-        });
+        return Err(GoldenError::Tolerance { field: "floor", value: floor_fraction });
     }
     let floor = floor_fraction * median_luminance(reference).max(0.0);
     let map: Vec<f64> = reference
         .rgb()
         .chunks_exact(3)
         .zip(test.rgb().chunks_exact(3))
-        .map(|(a, b)| {
-            (0..3)
-                .map(|c| relative_error(a[c].into(), b[c].into(), floor))
-                .fold(0.0, f64::max)
-        })
+        .map(|(a, b)| (0..3).map(|c| relative_error(a[c].into(), b[c].into(), floor)).fold(0.0, f64::max))
         .collect();
     let stats = stats(&map, reference.width());
-    Ok(Radiance {
-        width: reference.width(),
-        height: reference.height(),
-        map,
-        stats,
-    })
+    Ok(Radiance { width: reference.width(), height: reference.height(), map, stats })
 }
 
 fn relative_error(a: f64, b: f64, floor: f64) -> f64 {
@@ -93,11 +78,7 @@ fn relative_error(a: f64, b: f64, floor: f64) -> f64 {
 
 /// The median luminance of the finite pixels; 0 when there are none.
 fn median_luminance(picture: &RadianceImage) -> f64 {
-    let mut y: Vec<f64> = picture
-        .pixels()
-        .map(|p| luminance(p.map(f64::from)))
-        .filter(|y| y.is_finite())
-        .collect();
+    let mut y: Vec<f64> = picture.pixels().map(|p| luminance(p.map(f64::from))).filter(|y| y.is_finite()).collect();
     y.sort_by(f64::total_cmp);
     quantile(&y, 0.5)
 }
@@ -139,21 +120,14 @@ mod tests {
 
     #[test]
     fn identical_pictures_have_no_error() {
-        let found = compare_radiance(&ramp(1.0), &ramp(1.0), 0.01)
-            .unwrap()
-            .stats;
+        let found = compare_radiance(&ramp(1.0), &ramp(1.0), 0.01).unwrap().stats;
         assert_eq!((found.max, found.non_finite), (0.0, 0));
     }
 
     #[test]
     fn a_gain_is_seen_in_every_pixel() {
-        let found = compare_radiance(&ramp(1.0), &ramp(1.25), 0.0)
-            .unwrap()
-            .stats;
-        assert!(
-            (found.median - 0.2).abs() < 1e-6 && (found.max - 0.2).abs() < 1e-6,
-            "{found:?}"
-        );
+        let found = compare_radiance(&ramp(1.0), &ramp(1.25), 0.0).unwrap().stats;
+        assert!((found.median - 0.2).abs() < 1e-6 && (found.max - 0.2).abs() < 1e-6, "{found:?}");
     }
 
     #[test]
@@ -163,10 +137,7 @@ mod tests {
         rgb[1500..1515].iter_mut().for_each(|v| *v *= 0.5);
         let changed = RadianceImage::new(40, 25, rgb).unwrap();
         let found = compare_radiance(&ramp(1.0), &changed, 0.01).unwrap().stats;
-        assert_eq!(
-            (found.median, found.p99, found.p999, found.max),
-            (0.0, 0.0, 0.5, 0.5)
-        );
+        assert_eq!((found.median, found.p99, found.p999, found.max), (0.0, 0.0, 0.5, 0.5));
         assert_eq!(found.worst, (500 % 40, 500 / 40));
     }
 
@@ -176,33 +147,18 @@ mod tests {
         let plain = compare_radiance(&a, &b, 0.01).unwrap().stats;
         // The darkest channel is 1, the median luminance about 1500: the floor is 15 and the error 0.5 / 15.
         assert!((plain.max - 0.5 / 15.0).abs() < 1e-3, "{plain:?}");
-        let scale = |p: &RadianceImage| {
-            RadianceImage::new(40, 25, p.rgb().iter().map(|v| v * 4096.0).collect()).unwrap()
-        };
-        assert_eq!(
-            compare_radiance(&scale(&a), &scale(&b), 0.01)
-                .unwrap()
-                .stats,
-            plain
-        );
+        let scale =
+            |p: &RadianceImage| RadianceImage::new(40, 25, p.rgb().iter().map(|v| v * 4096.0).collect()).unwrap();
+        assert_eq!(compare_radiance(&scale(&a), &scale(&b), 0.01).unwrap().stats, plain);
         let without = compare_radiance(&a, &b, 0.0).unwrap();
-        assert_eq!(
-            without,
-            compare_radiance(&b, &a, 0.0).unwrap(),
-            "symmetric without a floor"
-        );
+        assert_eq!(without, compare_radiance(&b, &a, 0.0).unwrap(), "symmetric without a floor");
         assert!((without.stats.max - 0.5 / 1.5).abs() < 1e-6);
     }
 
     #[test]
     fn darkness_against_light_is_1_and_opposite_signs_at_most_2() {
         let flat = |v: f32| RadianceImage::new(2, 2, vec![v; 12]).unwrap();
-        let max = |a, b| {
-            compare_radiance(&flat(a), &flat(b), 0.01)
-                .unwrap()
-                .stats
-                .max
-        };
+        let max = |a, b| compare_radiance(&flat(a), &flat(b), 0.01).unwrap().stats.max;
         assert_eq!(max(0.0, 1e-30), 1.0);
         assert_eq!(max(3.0, -3.0), 2.0);
         assert_eq!(max(f32::MAX, f32::MIN), 2.0);
@@ -213,16 +169,9 @@ mod tests {
     fn one_bad_pixel_is_counted_wherever_it_is() {
         for bad in [f32::NAN, f32::INFINITY, f32::NEG_INFINITY] {
             let pictures = (ramp(1.0), with(301, bad));
-            for (a, b) in [
-                (&pictures.0, &pictures.1),
-                (&pictures.1, &pictures.0),
-                (&pictures.1, &pictures.1),
-            ] {
+            for (a, b) in [(&pictures.0, &pictures.1), (&pictures.1, &pictures.0), (&pictures.1, &pictures.1)] {
                 let found = compare_radiance(a, b, 0.01).unwrap().stats;
-                assert_eq!(
-                    (found.non_finite, found.max, found.worst),
-                    (1, f64::INFINITY, (20, 2))
-                );
+                assert_eq!((found.non_finite, found.max, found.worst), (1, f64::INFINITY, (20, 2)));
             }
         }
     }
@@ -230,10 +179,7 @@ mod tests {
     #[test]
     fn wrong_sizes_and_floors_are_errors() {
         let small = RadianceImage::new(1, 1, vec![0.0; 3]).unwrap();
-        assert!(matches!(
-            compare_radiance(&ramp(1.0), &small, 0.0),
-            Err(GoldenError::SizesDiffer { .. })
-        ));
+        assert!(matches!(compare_radiance(&ramp(1.0), &small, 0.0), Err(GoldenError::SizesDiffer { .. })));
         for floor in [-1.0, f64::NAN, f64::INFINITY] {
             let outcome = compare_radiance(&small, &small, floor);
             assert!(matches!(outcome, Err(GoldenError::Tolerance { .. })));

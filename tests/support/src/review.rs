@@ -2,9 +2,7 @@
 
 use crate::error::GoldenError;
 use crate::files::{encode_png, write_whole};
-use crate::golden::{
-    GoldenSet, Judgement, Verdict, check_name, parse_tolerance_file, read_picture,
-};
+use crate::golden::{GoldenSet, Judgement, Verdict, check_name, parse_tolerance_file, read_picture};
 use crate::heat::sheet;
 use crate::picture::{Kind, Limits, Numbers, Picture};
 use std::fmt;
@@ -36,13 +34,7 @@ pub struct ReviewRow {
 
 impl fmt::Display for Review {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let width = self
-            .rows
-            .iter()
-            .map(|row| row.name.len())
-            .max()
-            .unwrap_or(0)
-            .max(4);
+        let width = self.rows.iter().map(|row| row.name.len()).max().unwrap_or(0).max(4);
         if !self.rows.is_empty() {
             writeln!(f, "{:width$}  kind  verdict  numbers, sheet", "name")?;
         }
@@ -53,35 +45,17 @@ impl fmt::Display for Review {
                 (Verdict::Fail(why) | Verdict::Broken(why), None) => why.clone(),
                 (Verdict::Pass, None) => String::new(),
             };
-            writeln!(
-                f,
-                "{:width$}  {:4}  {:7}  {said}",
-                row.name,
-                row.kind.extension(),
-                row.verdict.word()
-            )?;
+            writeln!(f, "{:width$}  {:4}  {:7}  {said}", row.name, row.kind.extension(), row.verdict.word())?;
             if let Some(sheet) = &row.sheet {
                 writeln!(f, "{:width$}                 {}", "", sheet.display())?;
             }
         }
-        let count = |word: &str| {
-            self.rows
-                .iter()
-                .filter(|row| row.verdict.word() == word)
-                .count()
-        };
+        let count = |word: &str| self.rows.iter().filter(|row| row.verdict.word() == word).count();
         let (all, pass, new) = (self.rows.len(), count("pass"), count("new"));
-        writeln!(
-            f,
-            "{all} proposals: {pass} pass, {} fail, {new} new",
-            all - pass - new
-        )?;
+        writeln!(f, "{all} proposals: {pass} pass, {} fail, {new} new", all - pass - new)?;
         if !self.without_proposal.is_empty() {
             let names = self.without_proposal.join(", ");
-            writeln!(
-                f,
-                "accepted, without a proposal (they passed, or no test makes them): {names}"
-            )?;
+            writeln!(f, "accepted, without a proposal (they passed, or no test makes them): {names}")?;
         }
         Ok(())
     }
@@ -110,11 +84,7 @@ impl fmt::Display for Accepted {
         for (name, acceptance) in &self.rows {
             writeln!(f, "{name}: {}", format!("{acceptance:?}").to_lowercase())?;
         }
-        if self.rows.is_empty() {
-            writeln!(f, "no proposals to accept")
-        } else {
-            Ok(())
-        }
+        if self.rows.is_empty() { writeln!(f, "no proposals to accept") } else { Ok(()) }
     }
 }
 
@@ -133,48 +103,30 @@ impl GoldenSet {
         for (name, kind) in &proposals {
             rows.push(self.review_one(name, *kind)?);
         }
-        let mut without_proposal: Vec<String> = pictures_in(&self.accepted_dir, "")?
-            .into_iter()
-            .map(|(name, _)| name)
-            .collect();
+        let mut without_proposal: Vec<String> =
+            pictures_in(&self.accepted_dir, "")?.into_iter().map(|(name, _)| name).collect();
         without_proposal.retain(|name| !proposals.iter().any(|(proposed, _)| proposed == name));
-        Ok(Review {
-            rows,
-            without_proposal,
-        })
+        Ok(Review { rows, without_proposal })
     }
 
     fn review_one(&self, name: &str, kind: Kind) -> Result<ReviewRow, GoldenError> {
-        let row = |verdict, numbers, sheet| ReviewRow {
-            name: name.to_owned(),
-            kind,
-            verdict,
-            numbers,
-            sheet,
-        };
+        let row = |verdict, numbers, sheet| ReviewRow { name: name.to_owned(), kind, verdict, numbers, sheet };
         let new = match self.read_proposal(name, kind) {
             Ok(new) => new,
             Err(why) => return Ok(row(Verdict::Broken(why), None, None)),
         };
         let tolerance_path = self.work_path(name, "new.txt");
-        let limits = std::fs::read_to_string(&tolerance_path)
-            .ok()
-            .and_then(|t| parse_tolerance_file(kind, &t));
+        let limits = std::fs::read_to_string(&tolerance_path).ok().and_then(|t| parse_tolerance_file(kind, &t));
         let judgement = self.judge(name, kind, &new, &limits.unwrap_or(default_limits(kind)))?;
         let sheet_path = self.work_path(name, "sheet.png");
         let written = write_sheet(&sheet_path, &new, &judgement).is_ok();
         let verdict = match (limits, judgement.verdict) {
-            (None, Verdict::Pass | Verdict::Fail(_)) => Verdict::Broken(format!(
-                "no tolerance is recorded in {}",
-                tolerance_path.display()
-            )),
+            (None, Verdict::Pass | Verdict::Fail(_)) => {
+                Verdict::Broken(format!("no tolerance is recorded in {}", tolerance_path.display()))
+            }
             (_, verdict) => verdict,
         };
-        let numbers = if limits.is_some() {
-            judgement.numbers
-        } else {
-            None
-        };
+        let numbers = if limits.is_some() { judgement.numbers } else { None };
         Ok(row(verdict, numbers, written.then_some(sheet_path)))
     }
 
@@ -185,9 +137,7 @@ impl GoldenSet {
             .map_err(|e| format!("the proposal is {e}"))?;
         match new.non_finite().len() {
             0 => Ok(new),
-            n => Err(format!(
-                "the proposal has {n} pixels that are NaN or infinite"
-            )),
+            n => Err(format!("the proposal has {n} pixels that are NaN or infinite")),
         }
     }
 
@@ -199,31 +149,21 @@ impl GoldenSet {
         for name in names {
             let name = name.as_ref();
             check_name(name)?;
-            let found: Vec<_> = available
-                .iter()
-                .filter(|(proposed, _)| proposed == name)
-                .cloned()
-                .collect();
+            let found: Vec<_> = available.iter().filter(|(proposed, _)| proposed == name).cloned().collect();
             if found.is_empty() {
                 let names: Vec<&str> = available.iter().map(|(name, _)| name.as_str()).collect();
                 let available = match names.as_slice() {
                     [] => "there are none".to_owned(),
                     names => format!("these have: {}", names.join(", ")),
                 };
-                return Err(GoldenError::NoProposal {
-                    name: name.to_owned(),
-                    available,
-                });
+                return Err(GoldenError::NoProposal { name: name.to_owned(), available });
             }
             chosen.extend(found);
         }
         chosen.sort_by(|a, b| a.0.cmp(&b.0));
         chosen.dedup();
         for (name, kind) in &chosen {
-            let unreadable = |reason| GoldenError::Unreadable {
-                reason,
-                path: self.proposal_path(name, *kind),
-            };
+            let unreadable = |reason| GoldenError::Unreadable { reason, path: self.proposal_path(name, *kind) };
             self.read_proposal(name, *kind).map_err(unreadable)?;
         }
         let mut rows = Vec::new();
@@ -235,20 +175,13 @@ impl GoldenSet {
 
     /// Moves every proposal into the accepted folder, also those that pass.
     pub fn accept_all(&self) -> Result<Accepted, GoldenError> {
-        let names: Vec<String> = self
-            .proposals()?
-            .into_iter()
-            .map(|(name, _)| name)
-            .collect();
+        let names: Vec<String> = self.proposals()?.into_iter().map(|(name, _)| name).collect();
         self.accept(&names)
     }
 
     /// Copies rather than renames: `target/` may be another file system.
     fn accept_one(&self, name: &str, kind: Kind) -> Result<Acceptance, GoldenError> {
-        let (from, to) = (
-            self.proposal_path(name, kind),
-            self.accepted_path(name, kind),
-        );
+        let (from, to) = (self.proposal_path(name, kind), self.accepted_path(name, kind));
         let bytes = std::fs::read(&from).map_err(GoldenError::io("read the proposal", &from))?;
         let acceptance = match std::fs::read(&to) {
             Ok(old) if old == bytes => Acceptance::Unchanged,
@@ -264,9 +197,7 @@ impl GoldenSet {
 
     /// Removes all proposals, heat maps and sheets, so that none outlives its test.
     pub fn clear_proposals(&self) -> Result<(), GoldenError> {
-        self.proposals()?
-            .iter()
-            .try_for_each(|(name, _)| self.clear(name))
+        self.proposals()?.iter().try_for_each(|(name, _)| self.clear(name))
     }
 }
 
@@ -282,14 +213,9 @@ fn pictures_in(folder: &std::path::Path, suffix: &str) -> Result<Vec<(String, Ki
         let file_name = entry.map_err(listing())?.file_name();
         for kind in Kind::ALL {
             let ending = format!("{suffix}.{}", kind.extension());
-            let name = file_name
-                .to_str()
-                .and_then(|f| f.strip_suffix(ending.as_str()));
+            let name = file_name.to_str().and_then(|f| f.strip_suffix(ending.as_str()));
             // Every name that a check could have given; this also leaves out `NAME.diff.png` and hidden files.
-            found.extend(
-                name.filter(|n| check_name(n).is_ok())
-                    .map(|n| (n.to_owned(), kind)),
-            );
+            found.extend(name.filter(|n| check_name(n).is_ok()).map(|n| (n.to_owned(), kind)));
         }
     }
     found.sort_by(|a, b| a.0.cmp(&b.0));
@@ -303,17 +229,10 @@ fn default_limits(kind: Kind) -> Limits {
     }
 }
 
-fn write_sheet(
-    path: &std::path::Path,
-    new: &Picture,
-    judgement: &Judgement,
-) -> Result<(), GoldenError> {
+fn write_sheet(path: &std::path::Path, new: &Picture, judgement: &Judgement) -> Result<(), GoldenError> {
     let exposure = judgement.accepted.as_ref().unwrap_or(new).exposure();
     let panels = [
-        judgement
-            .accepted
-            .as_ref()
-            .map(|picture| picture.shown(exposure)),
+        judgement.accepted.as_ref().map(|picture| picture.shown(exposure)),
         Some(new.shown(exposure)),
         judgement.heat.clone(),
     ];

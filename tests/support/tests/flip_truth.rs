@@ -10,10 +10,7 @@ const HEIGHT: usize = 48;
 
 fn picture(colour: impl Fn(u32, u32) -> [u8; 3]) -> Rgb8Image {
     let at = |i: usize| ((i % WIDTH) as u32, (i / WIDTH) as u32);
-    let rgb = (0..WIDTH * HEIGHT)
-        .map(at)
-        .flat_map(|(x, y)| colour(x, y))
-        .collect();
+    let rgb = (0..WIDTH * HEIGHT).map(at).flat_map(|(x, y)| colour(x, y)).collect();
     Rgb8Image::new(WIDTH, HEIGHT, rgb).unwrap()
 }
 
@@ -24,9 +21,7 @@ fn flat(colour: [u8; 3]) -> Rgb8Image {
 /// White noise: a hash of the place.
 fn noise(x: u32, y: u32) -> [u8; 3] {
     [0u32, 1, 2].map(|c| {
-        let place = x.wrapping_mul(374_761_393)
-            ^ y.wrapping_mul(668_265_263)
-            ^ c.wrapping_mul(2_246_822_519);
+        let place = x.wrapping_mul(374_761_393) ^ y.wrapping_mul(668_265_263) ^ c.wrapping_mul(2_246_822_519);
         let mixed = (place ^ (place >> 13)).wrapping_mul(1_274_126_177);
         ((mixed ^ (mixed >> 16)) % 256) as u8
     })
@@ -34,20 +29,12 @@ fn noise(x: u32, y: u32) -> [u8; 3] {
 
 /// Three slow gradients.
 fn sky(x: u32, y: u32) -> [u8; 3] {
-    [
-        (x * 3 + y).min(255) as u8,
-        (y * 4).min(255) as u8,
-        (255 - (x + y)) as u8,
-    ]
+    [(x * 3 + y).min(255) as u8, (y * 4).min(255) as u8, (255 - (x + y)) as u8]
 }
 
 /// Squares of 8 pixels, white and dark blue.
 fn checker(x: u32, y: u32) -> [u8; 3] {
-    if (x / 8 + y / 8).is_multiple_of(2) {
-        [255; 3]
-    } else {
-        [20, 40, 90]
-    }
+    if (x / 8 + y / 8).is_multiple_of(2) { [255; 3] } else { [20, 40, 90] }
 }
 
 fn pair(name: &str) -> (Rgb8Image, Rgb8Image) {
@@ -56,22 +43,10 @@ fn pair(name: &str) -> (Rgb8Image, Rgb8Image) {
         "green, blue" => (flat([0, 255, 0]), flat([0, 0, 255])),
         "red, green" => (flat([255, 0, 0]), flat([0, 255, 0])),
         "grey, grey two steps up" => (flat([128; 3]), flat([130; 3])),
-        "sky, sky dimmed" => (
-            picture(sky),
-            picture(|x, y| sky(x, y).map(|v| (u32::from(v) * 95 / 100) as u8)),
-        ),
+        "sky, sky dimmed" => (picture(sky), picture(|x, y| sky(x, y).map(|v| (u32::from(v) * 95 / 100) as u8))),
         "sky, noise" => (picture(sky), picture(noise)),
         "checker, checker shifted" => (picture(checker), picture(|x, y| checker(x + 1, y))),
-        "sky, sky with a star" => (
-            picture(sky),
-            picture(|x, y| {
-                if (x, y) == (20, 30) {
-                    [255; 3]
-                } else {
-                    sky(x, y)
-                }
-            }),
-        ),
+        "sky, sky with a star" => (picture(sky), picture(|x, y| if (x, y) == (20, 30) { [255; 3] } else { sky(x, y) })),
         "noise, other noise" => (picture(noise), picture(|x, y| noise(x + 1000, y))),
         other => panic!("no pair {other}"),
     }
@@ -112,28 +87,16 @@ fn agrees_with_nvidia() {
     for (name, pixels_per_degree, mean, median, max, places) in NVIDIA {
         let found = run(name, pixels_per_degree);
         let at = |x: usize, y: usize| found.map[y * WIDTH + x];
-        let ours = [
-            found.stats.mean,
-            found.stats.max,
-            at(20, 30),
-            at(0, 0),
-            at(37, 11),
-        ];
+        let ours = [found.stats.mean, found.stats.max, at(20, 30), at(0, 0), at(37, 11)];
         let theirs = [mean, max, places[0], places[1], places[2]];
         // 1.6e-5 found, in flat pictures: theirs is single precision, and the root in the feature difference
         // makes 4e-4 of an edge strength of 2e-7 that should be 0. Its matrix to XYZ makes no difference here.
         for (a, b) in ours.iter().zip(theirs) {
-            assert!(
-                (a - b).abs() < 3e-5,
-                "{name} at {pixels_per_degree}: {ours:?}, NVIDIA {theirs:?}"
-            );
+            assert!((a - b).abs() < 3e-5, "{name} at {pixels_per_degree}: {ours:?}, NVIDIA {theirs:?}");
         }
         // 1.3e-4 found: theirs interpolates in a histogram.
         let ours = found.stats.weighted_median;
-        assert!(
-            (ours - median).abs() < 2e-4,
-            "{name} at {pixels_per_degree}: median {ours}, NVIDIA {median}"
-        );
+        assert!((ours - median).abs() < 2e-4, "{name} at {pixels_per_degree}: median {ours}, NVIDIA {median}");
     }
 }
 
@@ -142,14 +105,7 @@ fn identical_pictures_have_no_error() {
     for same in [picture(sky), picture(noise), picture(checker)] {
         let found = flip(&same, &same, DEFAULT_PIXELS_PER_DEGREE).unwrap();
         assert!(found.map.iter().all(|&e| e == 0.0));
-        assert_eq!(
-            (
-                found.stats.mean,
-                found.stats.weighted_median,
-                found.stats.max
-            ),
-            (0.0, 0.0, 0.0)
-        );
+        assert_eq!((found.stats.mean, found.stats.weighted_median, found.stats.max), (0.0, 0.0, 0.0));
     }
 }
 
@@ -174,11 +130,7 @@ fn black_and_white_differ_by_0_96738_and_only_green_and_blue_by_1() {
 fn a_shift_by_one_pixel_is_small_but_seen() {
     let shifted = picture(|x, y| sky(x + 1, y));
     let found = flip(&picture(sky), &shifted, DEFAULT_PIXELS_PER_DEGREE).unwrap();
-    assert!(
-        found.stats.mean > 0.01 && found.stats.max < 0.1,
-        "{:?}",
-        found.stats
-    );
+    assert!(found.stats.mean > 0.01 && found.stats.max < 0.1, "{:?}", found.stats);
 }
 
 #[test]
@@ -198,30 +150,12 @@ fn a_single_pixel_and_extreme_distances_are_fine() {
 
 #[test]
 fn wrong_sizes_and_distances_are_errors() {
-    let (a, b) = (
-        flat([0; 3]),
-        Rgb8Image::new(48, 64, vec![0; 3 * 48 * 64]).unwrap(),
-    );
-    assert!(matches!(
-        flip(&a, &b, 67.0),
-        Err(GoldenError::SizesDiffer { .. })
-    ));
+    let (a, b) = (flat([0; 3]), Rgb8Image::new(48, 64, vec![0; 3 * 48 * 64]).unwrap());
+    assert!(matches!(flip(&a, &b, 67.0), Err(GoldenError::SizesDiffer { .. })));
     for bad in [0.0, -67.0, 1e9, f64::NAN, f64::INFINITY] {
-        assert!(matches!(
-            flip(&a, &a, bad),
-            Err(GoldenError::PixelsPerDegree(_))
-        ));
+        assert!(matches!(flip(&a, &a, bad), Err(GoldenError::PixelsPerDegree(_))));
     }
-    for (width, height, length) in [
-        (0, 0, 0),
-        (1, 1, 2),
-        (2, 2, 13),
-        (usize::MAX, 2, 6),
-        (0, 5, 0),
-    ] {
-        assert!(matches!(
-            Rgb8Image::new(width, height, vec![0; length]),
-            Err(GoldenError::Shape { .. })
-        ));
+    for (width, height, length) in [(0, 0, 0), (1, 1, 2), (2, 2, 13), (usize::MAX, 2, 6), (0, 5, 0)] {
+        assert!(matches!(Rgb8Image::new(width, height, vec![0; length]), Err(GoldenError::Shape { .. })));
     }
 }

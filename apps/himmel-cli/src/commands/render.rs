@@ -4,7 +4,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use himmel::picture::{FileFormat, check_writable, render, save};
-use himmel::{Exposure, Gpu, Output, SkyModel};
+use himmel::{Exposure, Gpu, Output, Scene, SkyModel};
 use serde::Serialize;
 
 use super::scene::SceneArgs;
@@ -25,7 +25,7 @@ pub struct Args {
     /// The picture: .png or .jpg (finished), .exr or .hdr (linear, cd/m² unless --exposure says otherwise).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
-    /// Write the whole scene as a file too, for --scene.
+    /// Write the scene as a file too, with the time that was shown, for --scene.
     #[arg(long, value_name = "FILE.toml")]
     save_scene: Option<PathBuf>,
     /// Print the report as JSON.
@@ -65,13 +65,9 @@ struct Report {
 /// Runs it.
 pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     let started = Instant::now();
-    let mut scene = args.scene.scene()?;
+    let scene = args.scene.scene()?;
     check_writable(&args.output)?;
     let format = FileFormat::of(&args.output)?;
-    // Linear files hold physical luminance unless someone asks for another exposure.
-    if format.output() == Output::Radiance && scene.output.exposure == Exposure::Auto && args.scene.exposure.is_none() {
-        scene.output.exposure = Exposure::None;
-    }
     let model = SkyModel::new(&scene)?;
     model.view()?;
     let gpu = Gpu::open(args.scene.adapter.as_deref())?;
@@ -83,11 +79,12 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     drop(progress);
     save(&picture, &args.output)?;
     if let Some(path) = &args.save_scene {
-        himmel::picture::save_text(&scene.to_toml(), path)?;
+        himmel::picture::save_text(&reproducible(&scene, &model).to_toml(), path)?;
     }
-    if quiet {
+    if quiet && !args.json {
         return Ok(());
     }
+    let exposure = scene.output.exposure_for(format.output());
     let (sun, light, look) = (model.sun()?, model.light()?, model.look_deg()?);
     let report = Report {
         file: args.output.display().to_string(),
@@ -108,7 +105,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         horizontal_illuminance_lx: light.horizontal_illuminance_lx(),
         sun_illuminance_lx: light.sun.illuminance_lx,
         sky_illuminance_lx: light.sky_illuminance_lx,
-        exposure_ev100: (scene.output.exposure != Exposure::None).then_some(picture.ev100),
+        exposure_ev100: (exposure != Exposure::None).then_some(picture.ev100),
         exposure_factor: picture.exposure,
         tonemap: (format.output() == Output::Display).then(|| scene.output.tonemap.word()),
         solver: "gpu, first-order scattering",
@@ -139,7 +136,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         lux(report.horizontal_illuminance_lx - report.sky_illuminance_lx),
         lux(report.sky_illuminance_lx)
     );
-    let how = if scene.output.exposure == Exposure::Auto { "metered" } else { "fixed" };
+    let how = if exposure == Exposure::Auto { "metered" } else { "fixed" };
     match (report.exposure_ev100, report.tonemap) {
         (Some(ev100), Some(tonemap)) => out!("exposure     EV {ev100:.2} ({how}), {tonemap}"),
         (Some(ev100), None) => out!("exposure     EV {ev100:.2} ({how}), linear"),
@@ -149,6 +146,18 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     out!("adapter      {}", report.adapter);
     out!("picture      {} ({}×{}) in {:.2} s", report.file, report.width_px, report.height_px, report.seconds);
     Ok(())
+}
+
+/// The scene with its time fixed and its preset findable from anywhere.
+fn reproducible(scene: &Scene, model: &SkyModel) -> Scene {
+    let mut scene = scene.clone();
+    scene.clock.time = model.utc().to_string();
+    if scene.preset.ends_with(".toml")
+        && let Ok(path) = scene.folder.join(&scene.preset).canonicalize()
+    {
+        scene.preset = path.display().to_string();
+    }
+    scene
 }
 
 /// Three digits, for people.

@@ -39,7 +39,7 @@ pub struct SceneArgs {
     /// EV100, auto (meter the picture), or none (cd/m²; the default for .exr and .hdr).
     #[arg(long, value_name = "EV", allow_hyphen_values = true)]
     pub exposure: Option<String>,
-    /// linear, reinhard, hejl, agx, or neutral.
+    /// linear, reinhard, hejl, agx, agx-punchy, or neutral.
     #[arg(long, value_name = "NAME")]
     pub tonemap: Option<String>,
     /// Any parameter of `himmel params`, such as air.aerosols=2; may be given several times.

@@ -79,8 +79,24 @@ impl Meter {
         &self.exposure_view
     }
 
+    /// Keeps a fixed factor where the metered one would be, so that hosts find either in the same place.
+    pub(crate) fn set(&self, encoder: &mut wgpu::CommandEncoder, factor: f64) {
+        let ev100 = -(factor * 1.2).log2();
+        let texel = wgpu::Color { r: factor, g: ev100, b: 0.0, a: 1.0 };
+        let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(texel), store: wgpu::StoreOp::Store };
+        encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("exposure"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment { ops, ..crate::phenomena::cleared(&self.exposure_view) })],
+            ..Default::default()
+        });
+    }
+
     /// Averages the picture that was drawn into [`Meter::picture`].
-    pub(crate) fn reduce(&self, encoder: &mut wgpu::CommandEncoder, timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>) {
+    pub(crate) fn reduce(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        timestamps: Option<wgpu::RenderPassTimestampWrites<'_>>,
+    ) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("meter"),
             color_attachments: &[Some(crate::phenomena::cleared(&self.exposure_view))],

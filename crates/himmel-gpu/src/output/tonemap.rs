@@ -26,12 +26,13 @@ pub fn tonemap_reinhard(colour: DVec3) -> DVec3 {
     colour.map_each(|x| if x < 1.413 { (0.38317 * x).powf(1.0 / 2.2) } else { 1.0 - (-x).exp() })
 }
 
-/// x (6.2 x + 0.5) / (x (6.2 x + 1.7) + 0.06), x = max(0, colour − 0.004)   [collienne2013, eq. 4.26; hable2010]
+/// x (6.2 x + 0.5) / (x (6.2 x + 1.7) + 0.06)   [collienne2013, eq. 4.29]
 ///
-/// Contains the display's gamma. Laws tested: rises; 0 at 0; below 1.
+/// Contains the display's gamma. Hejl's own form subtracts 0.004 first [hable2010]; the thesis does not.
+/// Laws tested: rises; 0 at 0; below 1.
 pub fn tonemap_hejl(colour: DVec3) -> DVec3 {
     colour.map_each(|c| {
-        let x = (c - 0.004).clamp(0.0, 1e4);
+        let x = c.min(1e4);
         (x * (6.2 * x + 0.5)) / (x * (6.2 * x + 1.7) + 0.06)
     })
 }
@@ -40,6 +41,16 @@ pub fn tonemap_hejl(colour: DVec3) -> DVec3 {
 ///
 /// Laws tested: greys stay grey; rises; ends below 1.
 pub fn tonemap_agx(colour: DVec3) -> DVec3 {
+    agx(colour, 1.0, 1.0)
+}
+
+/// AgX with its "punchy" look: power 1.35 and saturation 1.4 between contrast and outset   [wrensch2023]
+pub fn tonemap_agx_punchy(colour: DVec3) -> DVec3 {
+    agx(colour, 1.35, 1.4)
+}
+
+/// AgX with a look: `power`, `saturation`; 1, 1 is none.
+fn agx(colour: DVec3, power: f64, saturation: f64) -> DVec3 {
     let inset = DMat3::from_cols_array(&[
         0.842479062253094,
         0.0423282422610123,
@@ -62,10 +73,14 @@ pub fn tonemap_agx(colour: DVec3) -> DVec3 {
         -0.0989611768448433,
         1.15107367264116,
     ]);
-    let contrast = (inset * colour).map_each(|c| {
+    let shaped = (inset * colour).map_each(|c| {
         let x = ((c.max(1e-10).log2() + 12.47393) / (4.026069 + 12.47393)).clamp(0.0, 1.0);
-        15.5 * x.powi(6) - 40.14 * x.powi(5) + 31.96 * x.powi(4) - 6.868 * x.powi(3) + 0.4298 * x * x + 0.1191 * x - 0.00232
+        15.5 * x.powi(6) - 40.14 * x.powi(5) + 31.96 * x.powi(4) - 6.868 * x.powi(3) + 0.4298 * x * x + 0.1191 * x
+            - 0.00232
     });
+    let shaped = shaped.max(DVec3::ZERO).map_each(|c| c.powf(power));
+    let grey = DVec3::splat(shaped.dot(DVec3::new(0.2126, 0.7152, 0.0722)));
+    let contrast = grey + saturation * (shaped - grey);
     let display_linear = (outset * contrast).max(DVec3::ZERO).map_each(|c| c.powf(2.2));
     srgb_encode(display_linear.clamp(DVec3::ZERO, DVec3::ONE))
 }
@@ -96,6 +111,7 @@ pub fn tonemap(operator: Tonemap, colour: DVec3) -> DVec3 {
         Tonemap::Reinhard => tonemap_reinhard(colour),
         Tonemap::Hejl => tonemap_hejl(colour),
         Tonemap::Agx => tonemap_agx(colour),
+        Tonemap::AgxPunchy => tonemap_agx_punchy(colour),
         Tonemap::Neutral => tonemap_neutral(colour),
     }
 }

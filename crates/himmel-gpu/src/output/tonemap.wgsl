@@ -25,11 +25,12 @@ fn tonemap_reinhard(colour: vec3f) -> vec3f {
 
 fn tonemap_hejl(colour: vec3f) -> vec3f {
     // 1e4 keeps the square finite in f32; the curve is 1 long before.
-    let x = clamp(colour - 0.004, vec3f(0.0), vec3f(1e4));
+    let x = min(colour, vec3f(1e4));
     return (x * (6.2 * x + 0.5)) / (x * (6.2 * x + 1.7) + 0.06);
 }
 
-fn tonemap_agx(colour: vec3f) -> vec3f {
+// power, saturation: the look that is applied between contrast and outset; 1, 1 is none.
+fn agx(colour: vec3f, power: f32, saturation: f32) -> vec3f {
     let inset = mat3x3f(
         vec3f(0.842479062253094, 0.0423282422610123, 0.0423756549057051),
         vec3f(0.0784335999999992, 0.878468636469772, 0.0784336),
@@ -44,9 +45,20 @@ fn tonemap_agx(colour: vec3f) -> vec3f {
     let x = clamp((stops + 12.47393) / (4.026069 + 12.47393), vec3f(0.0), vec3f(1.0));
     let x2 = x * x;
     let x4 = x2 * x2;
-    let contrast = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
+    let plain = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
+    let shaped = pow(max(plain, vec3f(0.0)), vec3f(power));
+    let grey = dot(shaped, vec3f(0.2126, 0.7152, 0.0722));
+    let contrast = grey + saturation * (shaped - grey);
     let display_linear = pow(max(outset * contrast, vec3f(0.0)), vec3f(2.2));
     return srgb_encode(clamp(display_linear, vec3f(0.0), vec3f(1.0)));
+}
+
+fn tonemap_agx(colour: vec3f) -> vec3f {
+    return agx(colour, 1.0, 1.0);
+}
+
+fn tonemap_agx_punchy(colour: vec3f) -> vec3f {
+    return agx(colour, 1.35, 1.4);
 }
 
 fn tonemap_neutral(colour: vec3f) -> vec3f {
@@ -72,6 +84,7 @@ fn tonemap(mapper: u32, colour: vec3f) -> vec3f {
         case 1u: { return tonemap_reinhard(colour); }
         case 2u: { return tonemap_hejl(colour); }
         case 3u: { return tonemap_agx(colour); }
+        case 4u: { return tonemap_agx_punchy(colour); }
         default: { return tonemap_neutral(colour); }
     }
 }

@@ -63,94 +63,41 @@ pub(super) fn find(text: &str) -> Result<NamedPlace, PlaceError> {
         None => (text, None),
     };
     // "Potsdam (DE)" is how we show it, so it can be typed back; but "Halle (Saale)" is a name.
-    let (name, country) = match (
-        name.strip_suffix(')').and_then(|n| n.rsplit_once('(')),
-        country,
-    ) {
-        (Some((name, inside)), None) if tables.named(&fold(text)).is_empty() => {
-            (name.trim(), Some(inside.trim()))
-        }
+    let (name, country) = match (name.strip_suffix(')').and_then(|n| n.rsplit_once('(')), country) {
+        (Some((name, inside)), None) if tables.named(&fold(text)).is_empty() => (name.trim(), Some(inside.trim())),
         _ => (name, country),
     };
     let found = tables.named(&fold(name));
     let Some(biggest) = found.first() else {
-        return Err(PlaceError::Unknown {
-            text: text.to_owned(),
-            suggestions: tables.suggestions(name, country),
-        });
+        return Err(PlaceError::Unknown { text: text.to_owned(), suggestions: tables.suggestions(name, country) });
     };
     let chosen = match country {
         None => biggest,
-        Some(country) => found
-            .iter()
-            .find(|called| tables.lies_in(called, country))
-            .ok_or_else(|| PlaceError::NotInThatCountry {
+        Some(country) => {
+            found.iter().find(|called| tables.lies_in(called, country)).ok_or_else(|| PlaceError::NotInThatCountry {
                 name: name.to_owned(),
                 country: country.to_owned(),
-                elsewhere: found
-                    .iter()
-                    .take(MOST_SUGGESTIONS)
-                    .map(|called| tables.entry(called).shown())
-                    .collect(),
-            })?,
+                elsewhere: found.iter().take(MOST_SUGGESTIONS).map(|called| tables.entry(called).shown()).collect(),
+            })?
+        }
     };
     Ok(tables.entry(chosen).place())
 }
 
 impl Gazetteer {
     fn read() -> Self {
-        let mut tables = Self {
-            entries: Vec::new(),
-            keys: String::new(),
-            called: Vec::new(),
-            countries: HashMap::new(),
-        };
+        let mut tables =
+            Self { entries: Vec::new(), keys: String::new(), called: Vec::new(), countries: HashMap::new() };
         for line in rows(CITIES) {
-            let [
-                name,
-                other,
-                country,
-                region,
-                latitude_deg,
-                longitude_deg,
-                people,
-                time_zone,
-            ] = columns(line);
+            let [name, other, country, region, latitude_deg, longitude_deg, people, time_zone] = columns(line);
             let people = people.parse().unwrap_or(0.0);
-            let entry = Entry {
-                name,
-                country,
-                region,
-                latitude_deg,
-                longitude_deg,
-                height_m: "",
-                time_zone,
-                people,
-            };
+            let entry = Entry { name, country, region, latitude_deg, longitude_deg, height_m: "", time_zone, people };
             tables.add(entry, other, OTHER_NAME_DIVISOR);
         }
         for line in rows(SITES) {
-            let [
-                name,
-                other,
-                country,
-                latitude_deg,
-                longitude_deg,
-                height_m,
-                time_zone,
-                _source,
-            ] = columns(line);
+            let [name, other, country, latitude_deg, longitude_deg, height_m, time_zone, _source] = columns(line);
             let (region, people) = ("", SITE_PEOPLE);
-            let entry = Entry {
-                name,
-                country,
-                region,
-                latitude_deg,
-                longitude_deg,
-                height_m,
-                time_zone,
-                people,
-            };
+            let entry = Entry { name, country, region, latitude_deg, longitude_deg, height_m, time_zone, people };
             // A site's other names are as good as its first.
             tables.add(entry, other, 1.0);
         }
@@ -158,53 +105,30 @@ impl Gazetteer {
             let [code, iso3, name] = columns(line);
             let (country, region) = code.split_once('-').unwrap_or((code, ""));
             for called in [if region.is_empty() { country } else { region }, iso3, name] {
-                tables
-                    .countries
-                    .entry(fold(called))
-                    .or_default()
-                    .push((country, region));
+                tables.countries.entry(fold(called)).or_default().push((country, region));
             }
         }
-        for (called, code) in [
-            ("usa", "US"),
-            ("uk", "GB"),
-            ("england", "GB"),
-            ("scotland", "GB"),
-            ("deutschland", "DE"),
-        ] {
-            tables
-                .countries
-                .entry(called.to_owned())
-                .or_default()
-                .push((code, ""));
+        for (called, code) in
+            [("usa", "US"), ("uk", "GB"), ("england", "GB"), ("scotland", "GB"), ("deutschland", "DE")]
+        {
+            tables.countries.entry(called.to_owned()).or_default().push((code, ""));
         }
         tables
     }
 
     fn add(&mut self, entry: Entry, other_names: &'static str, other_name_divisor: f64) {
         let index = self.entries.len() as u32;
-        let others = other_names
-            .split(';')
-            .filter(|name| !name.is_empty())
-            .map(|name| (name, other_name_divisor));
+        let others = other_names.split(';').filter(|name| !name.is_empty()).map(|name| (name, other_name_divisor));
         // «Halle (Saale)» is called Halle as well.
         let short = entry.name.split_once(" (").map(|(name, _)| (name, 1.0));
-        for (name, divisor) in std::iter::once((entry.name, 1.0))
-            .chain(short)
-            .chain(others)
-        {
+        for (name, divisor) in std::iter::once((entry.name, 1.0)).chain(short).chain(others) {
             let weight = (entry.people / divisor) as f32;
             for spell in [fold_into, fold_german_into] {
                 let start = self.keys.len() as u32;
                 spell(name, &mut self.keys);
                 let end = self.keys.len() as u32;
                 if start < end {
-                    self.called.push(Called {
-                        start,
-                        end,
-                        entry: index,
-                        weight,
-                    });
+                    self.called.push(Called { start, end, entry: index, weight });
                 }
             }
         }
@@ -217,12 +141,7 @@ impl Gazetteer {
 
     /// Who is called so, the heaviest first, each once.
     fn named(&self, key: &str) -> Vec<Called> {
-        let mut found: Vec<Called> = self
-            .called
-            .iter()
-            .filter(|called| self.key(called) == key)
-            .copied()
-            .collect();
+        let mut found: Vec<Called> = self.called.iter().filter(|called| self.key(called) == key).copied().collect();
         found.sort_by(|a, b| b.weight.total_cmp(&a.weight));
         let mut seen = Vec::new();
         found.retain(|called| {
@@ -241,15 +160,10 @@ impl Gazetteer {
     /// Whether an entry lies in what was typed as its country: `US`, `USA`, `Texas`, `TX, US`.
     pub(super) fn lies_in(&self, called: &Called, country: &str) -> bool {
         let entry = self.entry(called);
-        let mut parts = country
-            .split([',', '(', ')'])
-            .map(fold)
-            .filter(|part| !part.is_empty());
+        let mut parts = country.split([',', '(', ')']).map(fold).filter(|part| !part.is_empty());
         parts.all(|part| {
             self.countries.get(&part).is_some_and(|meant| {
-                meant
-                    .iter()
-                    .any(|&(c, r)| c == entry.country && (r.is_empty() || r == entry.region))
+                meant.iter().any(|&(c, r)| c == entry.country && (r.is_empty() || r == entry.region))
             })
         })
     }
@@ -269,18 +183,9 @@ impl Entry {
         // Only an unknown height falls back: a test reads every row of both tables.
         let number = |text: &str| text.parse().unwrap_or(0.0);
         let (latitude_deg, longitude_deg) = (number(self.latitude_deg), number(self.longitude_deg));
-        let zone = if self.time_zone.is_empty() {
-            time_zone(latitude_deg, longitude_deg)
-        } else {
-            self.time_zone.to_owned()
-        };
-        NamedPlace {
-            name: self.shown(),
-            latitude_deg,
-            longitude_deg,
-            height_m: number(self.height_m),
-            time_zone: zone,
-        }
+        let zone =
+            if self.time_zone.is_empty() { time_zone(latitude_deg, longitude_deg) } else { self.time_zone.to_owned() };
+        NamedPlace { name: self.shown(), latitude_deg, longitude_deg, height_m: number(self.height_m), time_zone: zone }
     }
 }
 
@@ -305,20 +210,9 @@ mod tests {
         assert!(tables.entries.len() > 34_000);
         for entry in &tables.entries {
             let place = entry.place();
-            assert!(
-                (-90.0..=90.0).contains(&entry.latitude_deg.parse::<f64>().unwrap()),
-                "{}",
-                place.name
-            );
-            assert!(
-                (-180.0..=180.0).contains(&entry.longitude_deg.parse::<f64>().unwrap()),
-                "{}",
-                place.name
-            );
-            assert!(
-                entry.height_m.is_empty()
-                    || (-500.0..=9000.0).contains(&entry.height_m.parse::<f64>().unwrap())
-            );
+            assert!((-90.0..=90.0).contains(&entry.latitude_deg.parse::<f64>().unwrap()), "{}", place.name);
+            assert!((-180.0..=180.0).contains(&entry.longitude_deg.parse::<f64>().unwrap()), "{}", place.name);
+            assert!(entry.height_m.is_empty() || (-500.0..=9000.0).contains(&entry.height_m.parse::<f64>().unwrap()));
             assert!(place.time_zone.contains('/'), "{}", place.name);
             assert!(!fold(entry.name).is_empty(), "{}", place.name);
         }
@@ -337,10 +231,6 @@ mod tests {
                 Err(error) => panic!("{}: {error}", entry.shown()),
             }
         }
-        assert!(
-            others.len() * 50 < asked,
-            "{} of {asked}: {others:?}",
-            others.len()
-        );
+        assert!(others.len() * 50 < asked, "{} of {asked}: {others:?}", others.len());
     }
 }

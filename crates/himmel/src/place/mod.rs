@@ -53,9 +53,7 @@ pub struct NamedPlace {
 #[non_exhaustive]
 pub enum PlaceError {
     /// Nothing but blanks.
-    #[error(
-        "the place is empty: give a city such as \"Potsdam\", or latitude,longitude such as 52.39,13.06"
-    )]
+    #[error("the place is empty: give a city such as \"Potsdam\", or latitude,longitude such as 52.39,13.06")]
     Empty,
     /// Too long to be a place.
     #[error(
@@ -112,9 +110,7 @@ pub enum PlaceError {
         got: f64,
     },
     /// A height below the lowest land or too far from Earth.
-    #[error(
-        "height must lie in {LOWEST_HEIGHT_M}..={GREATEST_HEIGHT_M:e} m, got {got} (metres, not kilometres)"
-    )]
+    #[error("height must lie in {LOWEST_HEIGHT_M}..={GREATEST_HEIGHT_M:e} m, got {got} (metres, not kilometres)")]
     Height {
         /// What was typed, metres.
         got: f64,
@@ -128,10 +124,7 @@ pub struct Suggestions(pub Vec<String>);
 impl std::fmt::Display for Suggestions {
     fn fmt(&self, out: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self.0.as_slice() {
-            [] => write!(
-                out,
-                ": try a bigger city nearby, or latitude,longitude such as 52.39,13.06"
-            ),
+            [] => write!(out, ": try a bigger city nearby, or latitude,longitude such as 52.39,13.06"),
             names => write!(out, ": did you mean {}?", any_of(names)),
         }
     }

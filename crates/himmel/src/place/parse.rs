@@ -15,18 +15,12 @@ pub(super) struct Coordinates {
 /// Reads `lat,lon[,height]`; `None` where the text is a name instead, which it is unless every part is a number.
 pub(super) fn coordinates(text: &str) -> Option<Result<Coordinates, PlaceError>> {
     // Commas, semicolons or blanks part the numbers, not each alone: "52.4 13.06", "52.4, 13.06".
-    let parts: Vec<&str> = text
-        .split(|c: char| c == ',' || c == ';' || c.is_whitespace())
-        .filter(|part| !part.is_empty())
-        .collect();
+    let parts: Vec<&str> =
+        text.split(|c: char| c == ',' || c == ';' || c.is_whitespace()).filter(|part| !part.is_empty()).collect();
     // "52.4 N 13.06 E" is "52.4N 13.06E".
     let mut numbers: Vec<Number> = Vec::new();
     for part in parts {
-        let letter = part
-            .chars()
-            .next()
-            .filter(|_| part.len() == 1)
-            .and_then(hemisphere);
+        let letter = part.chars().next().filter(|_| part.len() == 1).and_then(hemisphere);
         match (letter, numbers.last_mut()) {
             (Some(side), Some(last)) if last.side.is_none() => last.side = Some(side),
             _ => numbers.push(number(part)?),
@@ -73,20 +67,9 @@ fn number(text: &str) -> Option<Number<'_>> {
     if !starts_like_one && !is_word {
         return None;
     }
-    let side = if is_word {
-        None
-    } else {
-        text.chars().last().and_then(hemisphere)
-    };
-    let digits = if side.is_some() {
-        &text[..text.len() - 1]
-    } else {
-        text
-    };
-    let digits = digits
-        .strip_suffix('°')
-        .or_else(|| digits.strip_suffix('m'))
-        .unwrap_or(digits);
+    let side = if is_word { None } else { text.chars().last().and_then(hemisphere) };
+    let digits = if side.is_some() { &text[..text.len() - 1] } else { text };
+    let digits = digits.strip_suffix('°').or_else(|| digits.strip_suffix('m')).unwrap_or(digits);
     let value = digits.replace('−', "-").parse::<f64>().ok()?;
     Some(Number { text, value, side })
 }
@@ -100,40 +83,24 @@ fn check(numbers: &[Number<'_>]) -> Result<Coordinates, PlaceError> {
     // With letters the order is free: "13.06E 52.4N".
     let east_west = |n: &Number<'_>| matches!(n.side, Some(Side::East | Side::West));
     let north_south = |n: &Number<'_>| matches!(n.side, Some(Side::North | Side::South));
-    let (latitude, longitude) = if east_west(latitude) && !east_west(longitude)
-        || north_south(longitude) && !north_south(latitude)
-    {
-        (longitude, latitude)
-    } else {
-        (latitude, longitude)
-    };
-    for (what, number) in [
-        ("latitude", Some(latitude)),
-        ("longitude", Some(longitude)),
-        ("height", height),
-    ] {
+    let (latitude, longitude) =
+        if east_west(latitude) && !east_west(longitude) || north_south(longitude) && !north_south(latitude) {
+            (longitude, latitude)
+        } else {
+            (latitude, longitude)
+        };
+    for (what, number) in [("latitude", Some(latitude)), ("longitude", Some(longitude)), ("height", height)] {
         if let Some(number) = number.filter(|n| !n.value.is_finite()) {
-            return Err(PlaceError::NotFinite {
-                what,
-                text: number.text.to_owned(),
-            });
+            return Err(PlaceError::NotFinite { what, text: number.text.to_owned() });
         }
     }
     let signed = |n: &Number<'_>| {
-        if matches!(n.side, Some(Side::South | Side::West)) {
-            -n.value
-        } else {
-            n.value
-        }
+        if matches!(n.side, Some(Side::South | Side::West)) { -n.value } else { n.value }
     };
     let (latitude_deg, longitude_deg) = (signed(latitude), signed(longitude));
     if !(-90.0..=90.0).contains(&latitude_deg) {
-        let swapped =
-            (-90.0..=90.0).contains(&longitude_deg) && (-180.0..=360.0).contains(&latitude_deg);
-        return Err(PlaceError::Latitude {
-            got: latitude_deg,
-            swapped,
-        });
+        let swapped = (-90.0..=90.0).contains(&longitude_deg) && (-180.0..=360.0).contains(&latitude_deg);
+        return Err(PlaceError::Latitude { got: latitude_deg, swapped });
     }
     if !(-180.0..=360.0).contains(&longitude_deg) {
         return Err(PlaceError::Longitude { got: longitude_deg });
@@ -142,35 +109,16 @@ fn check(numbers: &[Number<'_>]) -> Result<Coordinates, PlaceError> {
     if !(LOWEST_HEIGHT_M..=GREATEST_HEIGHT_M).contains(&height_m) {
         return Err(PlaceError::Height { got: height_m });
     }
-    let longitude_deg = if longitude_deg >= 180.0 {
-        longitude_deg - 360.0
-    } else {
-        longitude_deg
-    };
-    Ok(Coordinates {
-        latitude_deg,
-        longitude_deg,
-        height_m,
-    })
+    let longitude_deg = if longitude_deg >= 180.0 { longitude_deg - 360.0 } else { longitude_deg };
+    Ok(Coordinates { latitude_deg, longitude_deg, height_m })
 }
 
 impl Coordinates {
     pub(super) fn into_place(self) -> NamedPlace {
-        let Self {
-            latitude_deg,
-            longitude_deg,
-            height_m,
-        } = self;
-        let (north, east) = (
-            if latitude_deg < 0.0 { 'S' } else { 'N' },
-            if longitude_deg < 0.0 { 'W' } else { 'E' },
-        );
+        let Self { latitude_deg, longitude_deg, height_m } = self;
+        let (north, east) = (if latitude_deg < 0.0 { 'S' } else { 'N' }, if longitude_deg < 0.0 { 'W' } else { 'E' });
         NamedPlace {
-            name: format!(
-                "{:.4}° {north}, {:.4}° {east}",
-                latitude_deg.abs(),
-                longitude_deg.abs()
-            ),
+            name: format!("{:.4}° {north}, {:.4}° {east}", latitude_deg.abs(), longitude_deg.abs()),
             latitude_deg,
             longitude_deg,
             height_m,
@@ -182,15 +130,9 @@ impl Coordinates {
 /// The IANA zone of a point, of the coarser borders (within 111 m) that tzf-rs carries. It opens the 4 MB table in place.
 pub(super) fn time_zone(latitude_deg: f64, longitude_deg: f64) -> String {
     static FINDER: OnceLock<tzf_rs::EmbeddedFinder> = OnceLock::new();
-    let name = FINDER
-        .get_or_init(tzf_rs::EmbeddedFinder::new)
-        .get_tz_name(longitude_deg, latitude_deg);
+    let name = FINDER.get_or_init(tzf_rs::EmbeddedFinder::new).get_tz_name(longitude_deg, latitude_deg);
     // A gap between two simplified borders, or a pole, has no zone: the nautical one does.
-    if name.is_empty() {
-        nautical_zone(longitude_deg)
-    } else {
-        name.to_owned()
-    }
+    if name.is_empty() { nautical_zone(longitude_deg) } else { name.to_owned() }
 }
 
 /// The zone of the high seas: 15° wide, and by POSIX tradition with the sign the wrong way round.

@@ -22,8 +22,7 @@ impl Gazetteer {
         for called in &self.called {
             let key = self.key(called);
             // The threshold is out of reach when the lengths are far apart; bytes are near enough to letters here.
-            if key.len().abs_diff(wanted.len()) > 1 + length / 4
-                || strsim::jaro_winkler(key, &wanted) < LEAST_LIKENESS
+            if key.len().abs_diff(wanted.len()) > 1 + length / 4 || strsim::jaro_winkler(key, &wanted) < LEAST_LIKENESS
             {
                 continue;
             }
@@ -33,9 +32,7 @@ impl Gazetteer {
             }
             // One typing error less is worth a hundred times the people, the right country more than either.
             let abroad = country.is_some_and(|country| !self.lies_in(called, country));
-            let score = f64::from(called.weight).max(1.0).log10()
-                - 2.0 * edits as f64
-                - if abroad { 8.0 } else { 0.0 };
+            let score = f64::from(called.weight).max(1.0).log10() - 2.0 * edits as f64 - if abroad { 8.0 } else { 0.0 };
             best.push((score, called));
         }
         best.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.entry.cmp(&b.1.entry)));

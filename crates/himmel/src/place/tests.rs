@@ -5,8 +5,7 @@ use proptest::prelude::*;
 use super::{NamedPlace, PlaceError};
 
 fn place(text: &str) -> NamedPlace {
-    text.parse()
-        .unwrap_or_else(|error| panic!("{text}: {error}"))
+    text.parse().unwrap_or_else(|error| panic!("{text}: {error}"))
 }
 
 fn error(text: &str) -> PlaceError {
@@ -36,15 +35,7 @@ fn a_name_is_found_however_it_is_spelt() {
     ] {
         assert_eq!(place(text).name, "Potsdam (DE)", "{text}");
     }
-    for text in [
-        "München",
-        "Muenchen",
-        "Munchen",
-        "munich",
-        "MÜNCHEN",
-        "Mu\u{308}nchen",
-        "Múnich",
-    ] {
+    for text in ["München", "Muenchen", "Munchen", "munich", "MÜNCHEN", "Mu\u{308}nchen", "Múnich"] {
         assert_eq!(place(text).name, "Munich (DE)", "{text}");
     }
     for (text, name) in [
@@ -76,10 +67,7 @@ fn the_biggest_wins_unless_a_country_is_given() {
     assert_eq!(place("Paris, TX (US)").name, "Paris, TX (US)");
     assert_eq!(place("London, Canada").name, "London (CA)");
     assert_eq!(place("London, UK").name, "London (GB)");
-    assert_eq!(
-        error("Potsdam, FR").to_string(),
-        "there is no \"Potsdam\" in \"FR\": did you mean Potsdam (DE)?"
-    );
+    assert_eq!(error("Potsdam, FR").to_string(), "there is no \"Potsdam\" in \"FR\": did you mean Potsdam (DE)?");
 }
 
 #[test]
@@ -96,19 +84,10 @@ fn what_is_shown_can_be_typed() {
 #[test]
 fn positions_and_zones_are_those_of_the_place() {
     let potsdam = place("Potsdam");
-    assert!(
-        (potsdam.latitude_deg - 52.3989).abs() < 1e-9
-            && (potsdam.longitude_deg - 13.0657).abs() < 1e-9
-    );
-    assert_eq!(
-        (potsdam.height_m, potsdam.time_zone.as_str()),
-        (0.0, "Europe/Berlin")
-    );
+    assert!((potsdam.latitude_deg - 52.3989).abs() < 1e-9 && (potsdam.longitude_deg - 13.0657).abs() < 1e-9);
+    assert_eq!((potsdam.height_m, potsdam.time_zone.as_str()), (0.0, "Europe/Berlin"));
     let paranal = place("Paranal");
-    assert_eq!(
-        (paranal.height_m, paranal.time_zone.as_str()),
-        (2669.0, "America/Santiago")
-    );
+    assert_eq!((paranal.height_m, paranal.time_zone.as_str()), (2669.0, "America/Santiago"));
     assert_eq!(place("Mauna Kea").time_zone, "Pacific/Honolulu");
 }
 
@@ -125,27 +104,14 @@ fn coordinates_are_read_as_people_write_them() {
         "+52.39,373.06",
     ] {
         let Ok(place) = text.parse::<NamedPlace>() else {
-            assert_eq!(
-                text, "+52.39,373.06",
-                "only a longitude beyond a turn fails"
-            );
+            assert_eq!(text, "+52.39,373.06", "only a longitude beyond a turn fails");
             continue;
         };
-        assert!(
-            (place.latitude_deg - 52.39).abs() < 1e-9 && (place.longitude_deg - 13.06).abs() < 1e-9,
-            "{text}"
-        );
-        assert_eq!(
-            (place.height_m, place.time_zone.as_str()),
-            (0.0, "Europe/Berlin"),
-            "{text}"
-        );
+        assert!((place.latitude_deg - 52.39).abs() < 1e-9 && (place.longitude_deg - 13.06).abs() < 1e-9, "{text}");
+        assert_eq!((place.height_m, place.time_zone.as_str()), (0.0, "Europe/Berlin"), "{text}");
     }
     let cape = place("33.9S 18.4E 1086m");
-    assert_eq!(
-        (cape.latitude_deg, cape.longitude_deg, cape.height_m),
-        (-33.9, 18.4, 1086.0)
-    );
+    assert_eq!((cape.latitude_deg, cape.longitude_deg, cape.height_m), (-33.9, 18.4, 1086.0));
     assert_eq!(cape.name, "33.9000° S, 18.4000° E");
     assert_eq!(place("-24.6,289.6").longitude_deg, 289.6 - 360.0);
     assert_eq!(place("0,180").longitude_deg, -180.0);
@@ -166,18 +132,9 @@ fn every_point_has_a_zone() {
 #[test]
 fn errors_say_what_to_type() {
     for (text, sentence) in [
-        (
-            "",
-            "the place is empty: give a city such as \"Potsdam\", or latitude,longitude such as 52.39,13.06",
-        ),
-        (
-            "Potsdm",
-            "unknown place \"Potsdm\": did you mean Potsdam (DE)",
-        ),
-        (
-            "95,10",
-            "latitude must lie in -90..=90°, got 95 (are latitude and longitude swapped?)",
-        ),
+        ("", "the place is empty: give a city such as \"Potsdam\", or latitude,longitude such as 52.39,13.06"),
+        ("Potsdm", "unknown place \"Potsdm\": did you mean Potsdam (DE)"),
+        ("95,10", "latitude must lie in -90..=90°, got 95 (are latitude and longitude swapped?)"),
         ("95,195", "latitude must lie in -90..=90°, got 95"),
         ("10,400", "longitude must lie in -180..=360°, got 400"),
         ("10,-181", "longitude must lie in -180..=360°, got -181"),
@@ -187,14 +144,8 @@ fn errors_say_what_to_type() {
         ("10,10,NaN", "height must be a finite number, got NaN"),
         ("1e30,10", "latitude must lie in -90..=90°, got 1"),
         ("10,10,1e30", "height must lie in -500..=1e8 m, got 1"),
-        (
-            "10,10,-501",
-            "height must lie in -500..=1e8 m, got -501 (metres, not kilometres)",
-        ),
-        (
-            "52.39",
-            "coordinates are latitude,longitude[,height in metres], got 1 number",
-        ),
+        ("10,10,-501", "height must lie in -500..=1e8 m, got -501 (metres, not kilometres)"),
+        ("52.39", "coordinates are latitude,longitude[,height in metres], got 1 number"),
         (
             "1,2,3,4",
             "coordinates are latitude,longitude[,height in metres], got 4 numbers (decimals take a point, not a comma)",
@@ -205,10 +156,7 @@ fn errors_say_what_to_type() {
         let got = error(text).to_string();
         assert!(got.starts_with(sentence), "{text}: {got}");
     }
-    assert_eq!(
-        error(&"ä".repeat(5_000_000)),
-        PlaceError::TooLong { bytes: 10_000_000 }
-    );
+    assert_eq!(error(&"ä".repeat(5_000_000)), PlaceError::TooLong { bytes: 10_000_000 });
 }
 
 #[test]
@@ -223,15 +171,10 @@ fn misspelt_names_are_guessed() {
         ("Los Angelos", "Los Angeles, CA (US)"),
     ] {
         match text.parse::<NamedPlace>() {
-            Ok(found) => assert!(
-                ["Sidney", "San Fransisco"].contains(&text),
-                "{text}: {}",
-                found.name
-            ), // GeoNames has these
-            Err(PlaceError::Unknown { suggestions, .. }) => assert!(
-                suggestions.0.contains(&name.to_owned()),
-                "{text}: {suggestions:?}"
-            ),
+            Ok(found) => assert!(["Sidney", "San Fransisco"].contains(&text), "{text}: {}", found.name), // GeoNames has these
+            Err(PlaceError::Unknown { suggestions, .. }) => {
+                assert!(suggestions.0.contains(&name.to_owned()), "{text}: {suggestions:?}")
+            }
             Err(other) => panic!("{text}: {other}"),
         }
     }

@@ -3,7 +3,7 @@
 //! - **What it is**: a march along each pixel's ray over the lit part of the air, with the optical depth to the Sun from
 //!   a table. The model, and the twin of every function in `air.wgsl`, is [`himmel_air`].
 //! - **What it costs**: 32 samples a pixel, each two reads of the medium, four of scattering, four of optical depth and
-//!   two exponentials. Tables: 1.2 MiB. No table depends on the Sun, so time costs nothing.
+//!   two exponentials. Tables: 1.13 MiB. No table depends on the Sun, so time costs nothing.
 //! - **What it leaves out**: light that is scattered more than once. A clear day's sky is therefore 15–25 % too dark at
 //!   the zenith, a third at the horizon, and twilight half as bright as it should be. The moment table of the issue
 //!   "The air on the GPU" adds it at the line marked "Orders ≥ 2".

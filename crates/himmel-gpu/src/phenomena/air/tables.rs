@@ -94,6 +94,7 @@ fn narrow(values: [f64; 4]) -> [f32; 4] {
 }
 
 fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, texels: &[[f32; 4]]) {
-    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(texture.width() * 16), rows_per_image: None };
+    let layout =
+        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(texture.width() * 16), rows_per_image: None };
     queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(texels), layout, texture.size());
 }
