@@ -17,6 +17,23 @@ fn all_bodies(ephemeris: &dyn Ephemeris, unix_s: f64, place: &Place) -> f64 {
         .sum()
 }
 
+/// The same with phases, magnitudes, bright limbs, the Moon's libration and Saturn's rings.
+fn all_looks(ephemeris: &dyn Ephemeris, unix_s: f64, place: &Place) -> f64 {
+    let instant = Instant::from_unix_seconds(unix_s).expect("a good date");
+    let observer = Observer::new(ephemeris, &instant, place).expect("within the span");
+    let mut sum = 0.0;
+    for body in Body::ALL.into_iter().filter(|b| *b != Body::Earth) {
+        let seen = observer.apparent(body).expect("a known body");
+        sum += observer.appearance(body, &seen).expect("a known body").magnitude;
+        match body {
+            Body::Moon => sum += observer.libration(&seen).longitude_rad,
+            Body::Saturn => sum += observer.saturn_rings(&seen).expect("a known body").tilt_rad,
+            _ => {}
+        }
+    }
+    sum
+}
+
 fn frames(c: &mut Criterion) {
     let place = Place::from_degrees(52.4, 13.06, 35.0).expect("a good place");
     let precise = Precise::embedded().expect("the pack is whole");
@@ -33,6 +50,15 @@ fn frames(c: &mut Criterion) {
             b.iter(|| {
                 unix_s += 1.0 / 60.0;
                 black_box(all_bodies(&**ephemeris, unix_s, &place))
+            });
+        });
+    }
+    for (name, ephemeris) in &levels {
+        let mut unix_s = 1.7e9;
+        c.bench_function(&format!("all looks, {name}"), |b| {
+            b.iter(|| {
+                unix_s += 1.0 / 60.0;
+                black_box(all_looks(&**ephemeris, unix_s, &place))
             });
         });
     }

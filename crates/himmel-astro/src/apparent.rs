@@ -30,6 +30,8 @@ pub struct Apparent {
     pub distance_m: f64,
     /// Of the equatorial diameter; 0 for stars.
     pub angular_diameter_rad: f64,
+    /// From the observer to where the light left, along GCRS axes: geometry for phases. Zero for stars.
+    pub vector_m: DVec3,
 }
 
 impl Apparent {
@@ -154,6 +156,7 @@ impl<'a> Observer<'a> {
             direction = self.deflected(direction, Some(vector));
         }
         let mut seen = self.seen(self.aberrated(direction));
+        seen.vector_m = vector;
         seen.distance_m = match body {
             Body::Moon => (self.earth + self.moon_from_earth - self.state).position_m.length(),
             _ => distance_m,
@@ -199,6 +202,7 @@ impl<'a> Observer<'a> {
             direction_gcrs,
             distance_m: f64::INFINITY,
             angular_diameter_rad: 0.0,
+            vector_m: DVec3::ZERO,
         }
     }
 }

@@ -222,6 +222,7 @@ impl Observer<'_> {
         let distance_m = vector.length().max(1.0);
         let mut seen = self.seen(self.aberrated(self.deflected(vector / distance_m, Some(vector))));
         seen.distance_m = distance_m;
+        seen.vector_m = vector;
         let phase = angle_between(heliocentric, vector);
         let magnitude = elements.magnitude(heliocentric.length() / AU_M, distance_m / AU_M, phase);
         Ok((seen, magnitude))

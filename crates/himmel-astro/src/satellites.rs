@@ -102,8 +102,10 @@ impl Observer<'_> {
         let from_site = ecef_m - self.place.ecef_m();
         let gcrs_from_ecef = self.orientation.ecef_from_gcrs.transpose();
         let range_m = from_site.length().max(1.0);
-        let mut seen = self.seen(gcrs_from_ecef * (from_site / range_m));
+        let vector_m = gcrs_from_ecef * from_site;
+        let mut seen = self.seen(vector_m / range_m);
         seen.distance_m = range_m;
+        seen.vector_m = vector_m;
         let from_earth = gcrs_from_ecef * ecef_m;
         let to_sun = self.sun.position_m - self.earth.position_m - from_earth;
         let earth_radius = (EARTH_ECLIPSE_RADIUS_M / from_earth.length()).min(1.0).asin();

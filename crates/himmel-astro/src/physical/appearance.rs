@@ -63,7 +63,7 @@ pub(crate) fn angle_between(a: DVec3, b: DVec3) -> f64 {
 impl Observer<'_> {
     /// Phase, brightness and bright limb of a body whose place is `seen` ([`Observer::apparent`]).
     pub fn appearance(&self, body: Body, seen: &Apparent) -> Result<Appearance> {
-        let (vector, _) = self.light_time_vector(body)?;
+        let vector = seen.vector_m;
         let from_sun = self.state.position_m + vector - self.sun.position_m;
         let sun_distance_m = if body == Body::Sun { 0.0 } else { from_sun.length() };
         let geometric = if body == Body::Sun { 0.0 } else { angle_between(from_sun, vector) };

@@ -401,6 +401,7 @@ impl Observer<'_> {
             let distance_m = vector.length();
             let mut seen = self.seen(self.aberrated(self.deflected(vector / distance_m, Some(vector))));
             seen.distance_m = distance_m;
+            seen.vector_m = vector;
             seen.angular_diameter_rad = 2.0 * (moon.radius_m() / distance_m).asin();
             let sun_distance_m = (self.state.position_m + vector - self.sun.position_m).length();
             GalileanView {

@@ -36,7 +36,7 @@ pub struct RingAspect {
 impl Observer<'_> {
     /// Tilt and position angle of Saturn's rings; `seen` is Saturn's place.
     pub fn saturn_rings(&self, seen: &Apparent) -> Result<RingAspect> {
-        let (vector, _) = self.light_time_vector(Body::Saturn)?;
+        let vector = seen.vector_m;
         let from_sun = self.state.position_m + vector - self.sun.position_m;
         let pole = pole_icrs(Body::Saturn, self.instant.tdb()).unwrap_or(DVec3::Z);
         let turn = self.orientation.true_from_gcrs;
