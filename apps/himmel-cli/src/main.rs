@@ -114,8 +114,8 @@ fn main() -> ExitCode {
         Command::Params(args) => commands::params::run(&args),
         Command::Info(args) => commands::info::run(&args),
         Command::Ephemeris(args) => commands::ephemeris::run(&args),
-        Command::Almanac(args) => commands::almanac::run(&args),
-        Command::Eclipses(args) => commands::eclipses::run(&args),
+        Command::Almanac(args) => commands::almanac::run(&args, cli.quiet),
+        Command::Eclipses(args) => commands::eclipses::run(&args, cli.quiet),
         Command::Bench(args) => commands::bench::run(&args, cli.quiet),
     };
     match result {

@@ -8,6 +8,7 @@ use jiff::tz::TimeZone;
 use serde_json::{Value, json};
 
 use super::level::Level;
+use crate::progress::Progress;
 use crate::{Failure, out};
 
 /// Arguments of `himmel almanac`.
@@ -23,13 +24,13 @@ pub struct Args {
     #[arg(long, allow_hyphen_values = true, default_value = "Potsdam")]
     place: String,
     /// The day, such as 2012-09-06; today unless given.
-    #[arg(long, value_name = "DATE", conflicts_with_all = ["from", "to"])]
+    #[arg(long, value_name = "DATE", allow_hyphen_values = true, conflicts_with_all = ["from", "to"])]
     date: Option<String>,
     /// First day of a span.
-    #[arg(long, value_name = "DATE", requires = "to")]
+    #[arg(long, value_name = "DATE", allow_hyphen_values = true, requires = "to")]
     from: Option<String>,
     /// Last day of a span.
-    #[arg(long, value_name = "DATE", requires = "from")]
+    #[arg(long, value_name = "DATE", allow_hyphen_values = true, requires = "from")]
     to: Option<String>,
     /// Days of UTC instead of the place's clock.
     #[arg(long)]
@@ -46,7 +47,7 @@ pub struct Args {
 const MOST_DAYS: i32 = 40_000;
 
 /// Runs it.
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     let site = himmel::Observer::at(&args.place)?;
     let zone = if args.utc { TimeZone::UTC } else { site.time_zone.clone() };
     let place = Place::from_degrees(site.latitude_deg, site.longitude_deg, site.height_m).map_err(usage)?;
@@ -62,12 +63,14 @@ pub fn run(args: &Args) -> Result<(), Failure> {
         return Err(Failure::usage(format!("--to ({last}) lies before --from ({first})")));
     }
     let ephemeris = args.level.open()?;
+    let progress = Progress::new("computing", quiet);
+    let whole = f64::from((last - first).get_days()) + 1.0;
     let (mut days, mut day) = (Vec::new(), first);
     while day <= last {
         if days.len() as i32 >= MOST_DAYS {
             return Err(Failure::usage(format!("at most {MOST_DAYS} days at once")));
         }
-        let next = day.tomorrow().map_err(|e| Failure::usage(e.to_string()))?;
+        let next = day_after(day)?;
         let span = (midnight(day, &zone)?, midnight(next, &zone)?);
         let found = almanac(ephemeris.as_ref(), &place, span, DeltaTModel::Standard).map_err(usage)?;
         if args.json {
@@ -77,7 +80,11 @@ pub fn run(args: &Args) -> Result<(), Failure> {
             days.push(Value::Null);
         }
         day = next;
+        if !progress.update(days.len() as f64 / whole) {
+            return Err(Failure::failed("stopped"));
+        }
     }
+    drop(progress);
     if args.json {
         let all = if args.from.is_none() { days.swap_remove(0) } else { Value::Array(days) };
         out!("{}", serde_json::to_string_pretty(&all).map_err(|e| Failure::failed(e.to_string()))?);
@@ -92,6 +99,11 @@ fn usage(e: AstroError) -> Failure {
 /// Reads a bare date.
 pub fn date(text: &str) -> Result<Date, Failure> {
     text.trim().parse().map_err(|_| Failure::usage(format!("\"{text}\" is no date; write 2012-09-06")))
+}
+
+/// The next day.
+pub fn day_after(day: Date) -> Result<Date, Failure> {
+    day.tomorrow().map_err(|_| Failure::usage(format!("the calendar ends with {day}; choose an earlier day")))
 }
 
 /// The instant at which a day begins.

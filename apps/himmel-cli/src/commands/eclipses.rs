@@ -8,8 +8,9 @@ use himmel::parts::astro::{AstroError, Instant, Place};
 use jiff::tz::TimeZone;
 use serde_json::{Value, json};
 
-use super::almanac::{date, midnight};
+use super::almanac::{date, day_after, midnight};
 use super::level::Level;
+use crate::progress::Progress;
 use crate::{Failure, out};
 
 /// Arguments of `himmel eclipses`.
@@ -25,10 +26,10 @@ pub struct Args {
     #[arg(value_enum)]
     kind: Kind,
     /// First day.
-    #[arg(long, value_name = "DATE")]
+    #[arg(long, value_name = "DATE", allow_hyphen_values = true)]
     from: String,
     /// Last day.
-    #[arg(long, value_name = "DATE")]
+    #[arg(long, value_name = "DATE", allow_hyphen_values = true)]
     to: String,
     /// City or site, or lat,lon[,height_m]; solar eclipses need it.
     #[arg(long, allow_hyphen_values = true)]
@@ -62,35 +63,58 @@ enum Shadow {
     Thesis,
 }
 
+/// Ten years between looks at the clock: half a second for solar eclipses.
+const PIECE_DAYS: f64 = 3652.5;
+
 /// Runs it.
-pub fn run(args: &Args) -> Result<(), Failure> {
+pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     let (first, last) = (date(&args.from)?, date(&args.to)?);
     if last < first {
         return Err(Failure::usage(format!("--to ({last}) lies before --from ({first})")));
     }
-    let end = last.tomorrow().map_err(|e| Failure::usage(e.to_string()))?;
-    let span = (midnight(first, &TimeZone::UTC)?.tt(), midnight(end, &TimeZone::UTC)?.tt());
+    let end = day_after(last)?;
+    let (start, stop) = (midnight(first, &TimeZone::UTC)?.tt(), midnight(end, &TimeZone::UTC)?.tt());
     let ephemeris = args.level.open()?;
-    let list: Vec<Value> = match (args.kind, &args.place) {
-        (Kind::Lunar, _) => {
-            let convention = match args.shadow {
-                Shadow::Danjon => ShadowConvention::Danjon,
-                Shadow::Chauvenet => ShadowConvention::Chauvenet,
-                Shadow::Geometric => ShadowConvention::Geometric,
-                Shadow::Thesis => ShadowConvention::Thesis,
-            };
-            lunar_eclipses(ephemeris.as_ref(), span, convention).map_err(usage)?.iter().map(lunar).collect()
-        }
+    let convention = match args.shadow {
+        Shadow::Danjon => ShadowConvention::Danjon,
+        Shadow::Chauvenet => ShadowConvention::Chauvenet,
+        Shadow::Geometric => ShadowConvention::Geometric,
+        Shadow::Thesis => ShadowConvention::Thesis,
+    };
+    let place = match (args.kind, &args.place) {
         (Kind::Solar, None) => {
             return Err(Failure::usage("solar eclipses need a place: --place Stuttgart, or --place 48.78,9.18,245"));
         }
-        (Kind::Solar, Some(place)) => {
+        (_, Some(place)) => {
             let site = himmel::Observer::at(place)?;
-            let place = Place::from_degrees(site.latitude_deg, site.longitude_deg, site.height_m).map_err(usage)?;
-            let found = solar_eclipses(ephemeris.as_ref(), &place, span, DeltaTModel::Standard).map_err(usage)?;
-            found.iter().map(solar).collect()
+            Place::from_degrees(site.latitude_deg, site.longitude_deg, site.height_m).map_err(usage)?
         }
+        (Kind::Lunar, None) => Place::GREENWICH_EQUATOR,
     };
+    // Both ends must lie within the ephemeris before years of work begin.
+    for end in [start, stop] {
+        ephemeris.earth_and_moon(end.to_tdb()).map_err(usage)?;
+    }
+    let progress = Progress::new("searching", quiet);
+    let mut list: Vec<Value> = Vec::new();
+    let pieces = ((stop.jd() - start.jd()) / PIECE_DAYS).ceil().max(1.0);
+    let at = |i: f64| JulianDateTt::new(start.jd() + (stop.jd() - start.jd()) * i / pieces).map_err(usage);
+    for i in 0..pieces as u32 {
+        let span = (at(f64::from(i))?, at(f64::from(i + 1))?);
+        match args.kind {
+            Kind::Lunar => {
+                list.extend(lunar_eclipses(ephemeris.as_ref(), span, convention).map_err(usage)?.iter().map(lunar));
+            }
+            Kind::Solar => {
+                let found = solar_eclipses(ephemeris.as_ref(), &place, span, DeltaTModel::Standard).map_err(usage)?;
+                list.extend(found.iter().map(solar));
+            }
+        }
+        if !progress.update(f64::from(i + 1) / pieces) {
+            return Err(Failure::failed("stopped"));
+        }
+    }
+    drop(progress);
     if args.json {
         out!("{}", serde_json::to_string_pretty(&list).map_err(|e| Failure::failed(e.to_string()))?);
         return Ok(());

@@ -119,7 +119,7 @@ pub fn lunar_eclipses(
     (from, to): (JulianDateTt, JulianDateTt),
     convention: ShadowConvention,
 ) -> Result<Vec<LunarEclipse>> {
-    super::check_span(from, to)?;
+    super::check_span(ephemeris, from, to)?;
     let mut found = Vec::new();
     for guess in mean_syzygies(from, to, 0.5) {
         // The true full moon lies within 0.6 d of the mean one; most are far from the node and cost one look.

@@ -54,7 +54,7 @@ pub fn moon_phases(
     (from, to): (JulianDateTt, JulianDateTt),
     model: DeltaTModel,
 ) -> Result<Vec<PhaseEvent>> {
-    super::check_span(from, to)?;
+    super::check_span(ephemeris, from, to)?;
     let angle = |jd: f64| moon_minus_sun_rad(ephemeris, &Instant::from_tt(JulianDateTt::new(jd)?, model));
     let quarter = |a: f64| (a.rem_euclid(TAU) / FRAC_PI_2).floor() as i64;
     // Two days move the Moon by at most 30°: never over two phases.

@@ -109,7 +109,7 @@ pub fn crossings(
     (from, to): (JulianDateTt, JulianDateTt),
     model: DeltaTModel,
 ) -> Result<(Vec<Crossing>, bool)> {
-    super::check_span(from, to)?;
+    super::check_span(ephemeris, from, to)?;
     let height = |jd: f64| -> Result<f64> {
         let instant = Instant::from_tt(JulianDateTt::new(jd)?, model);
         let seen = Observer::new(ephemeris, &instant, place)?.apparent(body)?;
@@ -118,12 +118,17 @@ pub fn crossings(
     let mut found = Vec::new();
     let steps = ((to.jd() - from.jd()) / STEP_DAYS).ceil().max(1.0);
     let step = (to.jd() - from.jd()) / steps;
-    let mut before: Option<(f64, f64)> = None;
+    // One sample more on either side, where the ephemeris reaches: a graze at the very edge shows only in three.
+    let lead = from.jd() - step;
+    let mut before: Option<(f64, f64)> = height(lead).ok().map(|f| (lead, f));
     let (mut a, mut fa) = (from.jd(), height(from.jd())?);
     let up_at_start = fa > 0.0;
-    for i in 1..=steps as u64 {
+    for i in 1..=steps as u64 + 1 {
         let b = if i as f64 == steps { to.jd() } else { from.jd() + step * i as f64 };
-        let fb = height(b)?;
+        let fb = match height(b) {
+            Err(_) if b > to.jd() => break,
+            other => other?,
+        };
         if (fa > 0.0) != (fb > 0.0) {
             found.push((zero(height, a, fa, b, fb)?, fb > 0.0));
         } else if let Some((z, fz)) = before {
@@ -141,6 +146,7 @@ pub fn crossings(
         before = Some((a, fa));
         (a, fa) = (b, fb);
     }
+    found.retain(|(jd, _)| (from.jd()..=to.jd()).contains(jd));
     let mut crossings = Vec::with_capacity(found.len());
     for (jd, upwards) in found {
         let instant = Instant::from_tt(JulianDateTt::new(jd)?, model);
@@ -159,7 +165,7 @@ pub fn transits(
     (from, to): (JulianDateTt, JulianDateTt),
     model: DeltaTModel,
 ) -> Result<Vec<Transit>> {
-    super::check_span(from, to)?;
+    super::check_span(ephemeris, from, to)?;
     let at = |jd: f64| -> Result<(f64, f64)> {
         let instant = Instant::from_tt(JulianDateTt::new(jd)?, model);
         let observer = Observer::new(ephemeris, &instant, place)?;

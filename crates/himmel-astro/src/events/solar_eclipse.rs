@@ -96,7 +96,7 @@ pub fn solar_eclipses(
     (from, to): (JulianDateTt, JulianDateTt),
     model: DeltaTModel,
 ) -> Result<Vec<SolarEclipse>> {
-    super::check_span(from, to)?;
+    super::check_span(ephemeris, from, to)?;
     let instant_at = |jd: f64| JulianDateTt::new(jd).map(|tt| Instant::from_tt(tt, model));
     let pair = |jd: f64| -> Result<Pair> {
         let observer = Observer::new(ephemeris, &instant_at(jd)?, place)?;
