@@ -127,6 +127,8 @@ fn main() -> Result<()> {
     };
     let mut sky = Sky::new(&device, &queue, &target, &Preset::named("earth")?)?;
     sky.set_observer(Observer::at("Potsdam")?).set_time("2012-09-06T19:00")?;
+    // Linear targets get cd/m² unless one chooses an exposure; 16-bit floats want one.
+    sky.set("output.exposure", "auto")?;
 
     // 2. Our world is y-up; Himmel's is east-north-up. The observer stands at our origin.
     let views = CAMERAS

@@ -17,6 +17,11 @@ fn own_renderer_draws_a_picture() {
         .output()
         .expect("it starts");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let picture = std::fs::read(folder.path().join("own.png")).expect("a picture");
-    assert!(picture.starts_with(b"\x89PNG") && picture.len() > 10_000, "{} bytes", picture.len());
+    let picture = image::open(folder.path().join("own.png")).expect("a picture").into_rgb8();
+    assert!(picture.width() >= 640);
+    // Neither black, nor white, nor one colour.
+    let values: Vec<f64> = picture.pixels().map(|p| f64::from(p.0[1])).collect();
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let deviation = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / values.len() as f64).sqrt();
+    assert!((40.0..200.0).contains(&mean) && deviation > 15.0, "mean {mean}, deviation {deviation}");
 }

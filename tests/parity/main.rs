@@ -2,4 +2,5 @@
 
 mod allocation;
 mod functions;
+mod host;
 mod pictures;

@@ -86,7 +86,10 @@ impl Meter {
         let ops = wgpu::Operations { load: wgpu::LoadOp::Clear(texel), store: wgpu::StoreOp::Store };
         encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("exposure"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment { ops, ..crate::phenomena::cleared(&self.exposure_view) })],
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                ops,
+                ..crate::phenomena::cleared(&self.exposure_view)
+            })],
             ..Default::default()
         });
     }
