@@ -25,9 +25,12 @@ pub(super) fn iso_from_unix_seconds(unix_s: f64) -> String {
     match jiff::Timestamp::from_millisecond(milliseconds as i64) {
         Ok(t) => {
             let z = jiff::tz::TimeZone::UTC.to_datetime(t);
+            let year = match z.year() {
+                year @ 0..=9999 => format!("{year:04}"),
+                year => format!("{year:+07}"),
+            };
             format!(
-                "{:04}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z",
-                z.year(),
+                "{year}-{:02}-{:02}T{:02}:{:02}:{:02}.{:03}Z",
                 z.month(),
                 z.day(),
                 z.hour(),
@@ -57,6 +60,8 @@ mod tests {
     #[test]
     fn writes_what_it_reads() {
         assert_eq!(iso_from_unix_seconds(1_346_954_400.0), "2012-09-06T18:00:00.000Z");
+        assert_eq!(iso_from_unix_seconds(-109_500_000_000.0), "-001500-01-30T21:20:00.000Z");
+        assert_eq!(unix_seconds_from_iso("-001500-01-30T21:20:00.000Z").unwrap(), -109_500_000_000.0);
         assert!(iso_from_unix_seconds(1e18).starts_with("JD"));
     }
 }
