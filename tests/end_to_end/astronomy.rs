@@ -25,16 +25,7 @@ fn tables_are_answered_row_by_row() {
     let output = himmel(folder.path(), &["ephemeris", "--input", "q.csv", "--output", "a.csv"]);
     assert_eq!(output.status.code(), Some(1));
     let errors = String::from_utf8_lossy(&output.stderr).into_owned();
-    for words in [
-        "row 2:",
-        "vulcan",
-        "row 3:",
-        "13,000 BC",
-        "row 4:",
-        "latitude",
-        "row 5:",
-        "it is empty",
-    ] {
+    for words in ["row 2:", "vulcan", "row 3:", "13,000 BC", "row 4:", "latitude", "row 5:", "it is empty"] {
         assert!(errors.contains(words), "{words}: {errors}");
     }
     let answers = std::fs::read_to_string(folder.path().join("a.csv")).expect("answers");

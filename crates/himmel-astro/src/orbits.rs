@@ -111,7 +111,7 @@ impl OrbitalElements {
         })
     }
 
-    /// From the Sun, along GCRS axes, by universal variables   [danby1988, sec. 6.9].
+    /// From the Sun, along GCRS axes, by universal variables   [danby1988].
     ///
     /// √μ Δt = q χ + e χ³ S(αχ²),  α = (1 − e)/q,  r = q + e χ² C(αχ²);  in the orbit's plane x = q − χ² C, y = √(q(1 + e)) χ (1 − αχ² S)
     ///

@@ -30,7 +30,7 @@ pub fn earth_rotation_angle_rad(ut1: JulianDateUt1) -> f64 {
     TAU * (ut1.jd().fract() + 0.779_057_273_264_0 + 0.002_737_811_911_354_48 * d).rem_euclid(1.0)
 }
 
-/// Greenwich mean sidereal time, IAU 2006, 0..2π   [capitaine2005, eq. 42].
+/// Greenwich mean sidereal time, IAU 2006, 0..2π   [capitaine2005].
 pub fn mean_sidereal_time_rad(instant: &Instant) -> f64 {
     let t = instant.tt().centuries_since_j2000();
     let accumulated_precession = [0.014_506, 4_612.156_534, 1.391_581_7, -4.4e-7, -2.995_6e-5, -3.68e-8]
@@ -83,7 +83,7 @@ impl EarthOrientation {
 }
 
 /// The largest complementary terms of the equation of the equinoxes; those left out sum to less than 0.03 mas
-/// [iers2010, eq. 5.29 and table 5.2e].
+/// [iers2010, table 5.2e].
 fn complementary_terms_rad(instant: &Instant) -> f64 {
     let t = instant.tt().centuries_since_j2000();
     let turns = |a: f64, b: f64| ((a + b * t) % 1_296_000.0) * ARCSECOND_RAD;

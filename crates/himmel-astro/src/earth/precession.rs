@@ -20,7 +20,7 @@ fn polynomial_arcseconds(t: f64, c: [f64; 6]) -> f64 {
     c.iter().rev().fold(0.0, |sum, c| sum * t + c) * ARCSECOND_RAD
 }
 
-/// Mean obliquity of the ecliptic, IAU 2006   [hilton2006, eq. 37]; `t`: Julian centuries TT since J2000.0.
+/// Mean obliquity of the ecliptic, IAU 2006   [hilton2006]; `t`: Julian centuries TT since J2000.0.
 fn obliquity_rad(t: f64) -> f64 {
     polynomial_arcseconds(t, [84_381.406, -46.836_769, -0.000_183_1, 0.002_003_40, -5.76e-7, -4.34e-8])
 }
@@ -31,7 +31,7 @@ pub fn mean_obliquity_rad(tt: JulianDateTt) -> f64 {
 }
 
 impl PrecessionAngles {
-    /// The angles at a date   [hilton2006, table 1; wallace2006, eq. 29].
+    /// The angles at a date   [hilton2006; wallace2006].
     pub fn at(tt: JulianDateTt) -> Self {
         let t = tt.centuries_since_j2000();
         Self {

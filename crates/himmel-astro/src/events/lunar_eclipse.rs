@@ -213,8 +213,8 @@ mod tests {
     use super::*;
     use crate::Precise;
 
-    /// NASA's canon [espenak2009] (Danjon's rule there is Herald & Sinnott's), 2018-07-27: greatest 20:22:54 TD, total, umbral 1.6087, totality 103 min.
-    /// Tolerances 30 s and 0.005 for the canon's k and rounding.
+    /// NASA's canon [espenak2009], 2018-07-27: greatest 20:22:54 TD, total, umbral magnitude 1.6087, totality 103 min. Tolerances 30 s
+    /// and 0.006: the canon's Moon has another radius. Contacts against DE440 are in `tests/truth.rs`.
     #[test]
     fn the_long_one_of_2018() {
         let precise = Precise::embedded().unwrap();

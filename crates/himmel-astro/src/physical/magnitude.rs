@@ -76,7 +76,7 @@ pub fn planet_magnitude(body: Body, c: &Circumstances) -> f64 {
 
 /// How much brighter the Moon is near full than the smooth law: shadows hide behind the grains that cast them.
 ///
-/// S = 1 + 0.35 max(0, 1 − i/7°)   [krisciunas1991, text after eq. 21]; `phase_angle_deg` = i
+/// S = 1 + 0.35 max(0, 1 − i/7°)   [krisciunas1991]; `phase_angle_deg` = i
 ///
 /// Laws tested: S(0) = 1.35; continuous; 1 beyond 7°.
 pub fn moon_surge(phase_angle_deg: f64) -> f64 {

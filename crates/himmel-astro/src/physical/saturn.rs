@@ -6,7 +6,7 @@ use crate::time::JulianDateTdb;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
-/// Radii of the rings' edges in m, inside out: C inner, B inner, B outer, A inner, A outer   [french1993].
+/// Radii of the rings' edges in m, inside out: C inner, B inner, B outer, A inner, A outer   [nssdc2016].
 pub const SATURN_RING_EDGES_M: [f64; 5] = [74_658e3, 92_000e3, 117_580e3, 122_170e3, 136_775e3];
 
 /// North pole of Saturn and Uranus along ICRS axes   [archinal2018, table 1]; `None` for bodies whose pole nothing here needs.

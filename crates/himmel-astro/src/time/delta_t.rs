@@ -65,7 +65,7 @@ fn year_of_mjd(mjd: f64) -> f64 {
     2000.0 + (mjd + 2_400_000.5 - J2000_JD) / DAYS_PER_YEAR
 }
 
-/// −320 + 32.5 ((year − 1825)/100)² s   [stephenson2016, eq. 4.1]
+/// −320 + 32.5 ((year − 1825)/100)² s   [stephenson2016]
 fn parabola(year: f64) -> f64 {
     let u = (year - 1825.0) / 100.0;
     -320.0 + 32.5 * u * u

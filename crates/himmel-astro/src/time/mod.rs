@@ -67,7 +67,7 @@ julian_date!(JulianDateTdb, "Barycentric Dynamical Time, the ephemerides' argume
 impl JulianDateTt {
     /// The same instant in TDB, to 10 µs.
     ///
-    /// TDB − TT = 1.657 ms sin g + 0.022 ms sin(L − L_J),  g = 357.53° + 0.98560028° d   [almanac2006, p. B7]
+    /// TDB − TT = 1.657 ms sin g + 0.022 ms sin(L − L_J),  g = 357.53° + 0.98560028° d   [almanac2006]
     pub fn to_tdb(self) -> JulianDateTdb {
         JulianDateTdb(self.0).plus_seconds(tdb_minus_tt_s(self.0))
     }
