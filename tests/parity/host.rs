@@ -71,13 +71,11 @@ fn drawn(depth: Option<(DepthDirection, f32)>, samples: u32, index: usize, views
         source.size(),
     );
     gpu.queue.submit([encoder.finish()]);
-    buffer.slice(..).map_async(wgpu::MapMode::Read, |_| {});
-    gpu.wait().unwrap();
-    let bytes = buffer.slice(..).get_mapped_range();
-    bytes
-        .chunks(row as usize)
-        .flat_map(|row| bytemuck::cast_slice::<u8, [u8; 4]>(&row[..4 * SIZE as usize]).to_vec())
-        .collect()
+    let bytes = gpu.read_buffer(&buffer, buffer.size()).unwrap();
+    let row_of = |row: &[u8]| -> Vec<[u8; 4]> {
+        row[..4 * SIZE as usize].chunks_exact(4).map(bytemuck::pod_read_unaligned).collect()
+    };
+    bytes.chunks(row as usize).flat_map(row_of).collect()
 }
 
 fn north() -> View {

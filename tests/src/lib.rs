@@ -136,9 +136,8 @@ impl Kernel {
         drop(pass);
         encoder.copy_buffer_to_buffer(&output, 0, &readable, 0, bytes.len() as u64);
         gpu.queue.submit([encoder.finish()]);
-        readable.slice(..).map_async(wgpu::MapMode::Read, |_| {});
-        gpu.wait().unwrap_or_else(|error| panic!("{error}"));
-        bytemuck::cast_slice(&readable.slice(..).get_mapped_range()).to_vec()
+        let bytes = gpu.read_buffer(&readable, readable.size()).unwrap_or_else(|error| panic!("{error}"));
+        bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect()
     }
 }
 

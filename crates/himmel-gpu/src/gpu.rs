@@ -130,4 +130,24 @@ impl Gpu {
             None => Ok(()),
         }
     }
+
+    /// Waits for all submitted work and copies the first `size` bytes of a buffer with [`wgpu::BufferUsages::MAP_READ`].
+    pub fn read_buffer(&self, buffer: &wgpu::Buffer, size: u64) -> Result<Vec<u8>, GpuError> {
+        let slice = buffer.slice(..size);
+        let (sender, receiver) = std::sync::mpsc::channel();
+        slice.map_async(wgpu::MapMode::Read, move |result| {
+            // The receiver outlives every call but one that has given up.
+            let _ = sender.send(result);
+        });
+        self.wait()?;
+        // Where several threads share a device, another one's poll may run our callback, a little later.
+        match receiver.recv_timeout(std::time::Duration::from_secs(60)) {
+            Ok(Ok(())) => {}
+            Ok(Err(error)) => return Err(GpuError::Device(error.to_string())),
+            Err(_) => return Err(GpuError::Device("a buffer was not read back".into())),
+        }
+        let bytes = slice.get_mapped_range().to_vec();
+        buffer.unmap();
+        Ok(bytes)
+    }
 }

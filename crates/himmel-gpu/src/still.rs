@@ -160,7 +160,7 @@ impl Still {
             stamps.resolve(&mut encoder);
         }
         self.gpu.queue.submit([encoder.finish()]);
-        let reading = bytemuck::pod_read_unaligned(&read(&self.gpu, &tile.exposure)?);
+        let reading = bytemuck::pod_read_unaligned(&self.gpu.read_buffer(&tile.exposure, tile.exposure.size())?);
         let times = match &mut self.stamps {
             Some(stamps) => stamps.read(&self.gpu)?,
             None => PassTimes::default(),
@@ -171,7 +171,7 @@ impl Still {
     /// Copies the tile into its place, dropping alpha and what hangs over the edge.
     fn read_tile(&self, pixels: &mut Pixels, (width, height): (u32, u32), (x, y): (u32, u32)) -> Result<(), GpuError> {
         let Some(tile) = &self.tile else { return Err(GpuError::Device("no tile".into())) };
-        let bytes = read(&self.gpu, &tile.buffer)?;
+        let bytes = self.gpu.read_buffer(&tile.buffer, tile.buffer.size())?;
         let (w, h) = (tile.size.0.min(width - x) as usize, tile.size.1.min(height - y) as usize);
         for row in 0..h {
             let source = &bytes[row * tile.row_bytes as usize..];
@@ -232,22 +232,4 @@ impl Tile {
             wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(self.row_bytes), rows_per_image: None };
         wgpu::TexelCopyBufferInfo { buffer: &self.buffer, layout }
     }
-}
-
-/// Maps a buffer, copies it and lets go.
-fn read(gpu: &Gpu, buffer: &wgpu::Buffer) -> Result<Vec<u8>, GpuError> {
-    let slice = buffer.slice(..);
-    let (sender, receiver) = std::sync::mpsc::channel();
-    slice.map_async(wgpu::MapMode::Read, move |result| {
-        let _ = sender.send(result);
-    });
-    gpu.wait()?;
-    match receiver.try_recv() {
-        Ok(Ok(())) => {}
-        Ok(Err(error)) => return Err(GpuError::Device(error.to_string())),
-        Err(_) => return Err(GpuError::Device("a buffer was not read back".into())),
-    }
-    let bytes = slice.get_mapped_range().to_vec();
-    buffer.unmap();
-    Ok(bytes)
 }

@@ -77,11 +77,8 @@ impl Stamps {
         if labels.is_empty() {
             return Ok(PassTimes::default());
         }
-        let slice = self.readable.slice(..labels.len() as u64 * 16);
-        slice.map_async(wgpu::MapMode::Read, |_| {});
-        gpu.wait()?;
-        let stamps: Vec<u64> = bytemuck::cast_slice(&slice.get_mapped_range()).to_vec();
-        self.readable.unmap();
+        let bytes = gpu.read_buffer(&self.readable, labels.len() as u64 * 16)?;
+        let stamps: Vec<u64> = bytes.chunks_exact(8).map(bytemuck::pod_read_unaligned).collect();
         let ms = |pair: &[u64]| pair[1].saturating_sub(pair[0]) as f64 * self.period_ns * 1e-6;
         Ok(PassTimes { passes: labels.into_iter().zip(stamps.chunks(2).map(ms)).collect() })
     }
