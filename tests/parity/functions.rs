@@ -71,7 +71,7 @@ fn shadow_of_the_planet() {
     let inputs: Vec<[f32; 4]> = (0..20_000)
         .map(|_| {
             let (z, s) = (random.within(0.0, 2.0), random.within(1.6, 3.0));
-            let azimuth = random.within(0.0, 3.14);
+            let azimuth = random.within(0.0, std::f64::consts::PI);
             let nu = f64::cos(z) * f64::cos(s) + f64::sin(z) * f64::sin(s) * f64::cos(azimuth);
             [random.within(100.0, 5e4) as f32, f64::cos(z) as f32, f64::cos(s) as f32, nu as f32]
         })

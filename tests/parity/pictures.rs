@@ -3,6 +3,9 @@
 use himmel::{Output, Pixels, SkyModel, Still};
 use himmel_tests::{gpu, model};
 
+/// Parameters by name.
+type Settings = &'static [(&'static str, &'static str)];
+
 /// Renders a scene's picture and compares each pixel's luminance with the model's. Returns relative errors, sorted.
 fn errors(model: &SkyModel) -> Vec<f64> {
     let size = &model.scene().output;
@@ -44,7 +47,7 @@ fn errors(model: &SkyModel) -> Vec<f64> {
 fn pictures_are_those_of_the_model() {
     let size =
         [("output.width_px", "48"), ("output.height_px", "27"), ("output.exposure", "none"), ("light.sun.disc", "off")];
-    let scenes: [(&str, &str, &[(&str, &str)]); 9] = [
+    let scenes: [(&str, &str, Settings); 9] = [
         ("noon", "earth", &[("clock.time", "2012-09-06T11:00Z"), ("camera.look", "N,20")]),
         ("sunward", "earth", &[("clock.time", "2012-09-06T16:00Z"), ("camera.look", "sun")]),
         ("twilight", "earth", &[("light.sun.altitude_deg", "-4"), ("camera.look", "sunward")]),

@@ -162,7 +162,7 @@ pub fn parse_time(text: &str, zone: &TimeZone) -> Result<Timestamp> {
     }
     let civil: DateTime =
         text.parse().map_err(|e: jiff::Error| error(e.to_string().lines().collect::<Vec<_>>().join(" ")))?;
-    Ok(zone.to_timestamp(civil).map_err(|e| error(e.to_string()))?)
+    zone.to_timestamp(civil).map_err(|e| error(e.to_string()))
 }
 
 #[cfg(test)]
