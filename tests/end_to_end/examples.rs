@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-/// `examples/own_renderer` draws a cube in its own pass and the sky behind it.
+/// `examples/own_renderer` draws lit cubes in its own pass and the sky behind it.
 #[test]
 fn own_renderer_draws_a_picture() {
     let bin = Path::new(env!("CARGO_BIN_EXE_himmel"));

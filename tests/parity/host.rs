@@ -150,7 +150,7 @@ fn targets_that_cannot_hold_a_sky_are_refused() {
     }
 }
 
-/// Thousands of scenes that nobody would make: no pixel may be NaN or infinite.
+/// 1,200 scenes that nobody would make: no pixel may be NaN or infinite.
 #[test]
 fn random_scenes_have_finite_pixels() {
     let mut random = himmel_tests::Random::new(11);

@@ -13,7 +13,7 @@ use clap::{Parser, Subcommand};
     name = "himmel",
     version,
     max_term_width = 110,
-    after_help = "Examples:\n  himmel render --place Potsdam --time 2012-09-06T20:00 -o sky.png\n  himmel params\n  himmel info"
+    after_help = "Examples:\n  himmel render --place Potsdam --time 2012-09-06T20:00 -o sky.png\n  himmel ephemeris moon --place Potsdam\n  himmel almanac --place Potsdam --date 2012-09-06\n  himmel eclipses solar --place Stuttgart --from 1999-01-01 --to 1999-12-31\n  himmel params\n  himmel info"
 )]
 struct Cli {
     /// Print nothing but errors (and data that was asked for).

@@ -51,7 +51,7 @@ choices! {
 params! {
     /// The camera.
     pub struct CameraParams: "camera" {
-        /// AZIMUTH,ALTITUDE in degrees, sun, sunward (the Sun's azimuth, horizon in the lower third), zenith, nadir, or a compass point such as NW or NW,20.
+        /// AZIMUTH,ALTITUDE in degrees, sun, sunward (the Sun's azimuth, horizon in the lower third), zenith, nadir, a body or star such as moon or Vega, or a compass point such as NW or NW,20.
         look: String = "sunward".to_string();
         /// Vertical field of view; perspective below 180, fisheye up to 360.
         fov_deg: f64 = 60.0, "°", 0.001..=360.0;
@@ -246,6 +246,10 @@ impl Scene {
                     let _ = write!(text, "\n[{name}]\n");
                 }
                 let value = match value {
+                    // 1280, not 1280.0: all that fit are exact.
+                    Value::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => {
+                        toml::Value::from(number as i64)
+                    }
                     Value::Number(number) => toml::Value::from(number),
                     Value::Flag(flag) => toml::Value::from(flag),
                     Value::Text(words) => toml::Value::from(words),

@@ -17,14 +17,19 @@ pub struct Args {
 }
 
 /// What is compiled in, with its licence.
-const DATA: [(&str, &str); 8] = [
+const DATA: [(&str, &str); 13] = [
     ("JPL DE440, refitted 1850–2150", "public domain (NASA/JPL)"),
-    ("VSOP87, ELP-MPP02 series", "MIT (astronomia)"),
-    ("Earth orientation, leap seconds (IERS)", "BSD-3-Clause (astropy-iers-data)"),
+    ("VSOP87, ELP-MPP02 series, Pluto, Jupiter's moons", "MIT (astronomia); facts"),
+    ("Stars (Hipparcos, van Leeuwen 2007; Hipparcos 1997)", "ESA, free with acknowledgement"),
+    ("Names of stars, constellations (d3-celestial)", "BSD-3-Clause, © 2015 Olaf Frohn"),
+    ("Libration of the Moon (fitted to JPL DE421)", "public domain (NASA/JPL)"),
+    ("Earth orientation (IERS)", "BSD-3-Clause (astropy-iers-data)"),
+    ("Leap seconds (USNO), Delta T (Morrison et al. 2021)", "public domain; facts"),
     ("CIE 1931 2° observer", "BSD-3-Clause (colour-science)"),
     ("Sun above the air (ASTM G-173), limb darkening (Neckel & Labs 1994)", "facts"),
     ("Ozone cross section (Serdyuchenko 2014), profile (US Standard Atmosphere 1976)", "facts"),
     ("Cities (GeoNames)", "CC BY 4.0, © GeoNames contributors"),
+    ("Observing sites (astropy-data, SolarStations, Wikipedia)", "BSD-3-Clause; facts"),
     ("Time zones (tzf; OpenStreetMap)", "ODbL, © OpenStreetMap contributors"),
 ];
 

@@ -18,7 +18,7 @@ use crate::{Failure, out};
   himmel render --place 52.39,13.06 --time 2012-09-06T16:00Z --look sun --fov 40 -o sun.exr
   himmel render --preset mars-reference --look sun --fov 30 -o mars.png
   himmel render --place Paranal --projection equirect --size 4096x2048 -o environment.hdr
-  himmel render --altitude 400000 --look W,-20 --set light.sun.altitude_deg=5 -o orbit.png")]
+  himmel render --altitude 400000 --look W,-20 --set light.sun.altitude_deg=5 --set light.sun.azimuth_deg=229 -o orbit.png")]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
