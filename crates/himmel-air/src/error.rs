@@ -31,6 +31,16 @@ pub enum AirError {
         /// What it is.
         got: f64,
     },
+    /// A quantity outside the domain of a formula.
+    #[error("{what} must {law}, got {got}")]
+    Optics {
+        /// The quantity.
+        what: String,
+        /// What it must be.
+        law: &'static str,
+        /// What it is.
+        got: f64,
+    },
 }
 
 fn suggest(name: &Option<String>) -> String {

@@ -47,6 +47,16 @@ pub fn cornette_shanks_phase(cos_theta: f64, g: f64) -> f64 {
     1.5 * (1.0 + cos_theta * cos_theta) / (2.0 + g * g) * henyey_greenstein_phase(cos_theta, g)
 }
 
+/// Calls `f` with l and P_l(x) for l = 0 … `count` − 1.
+pub fn for_each_legendre(x: f64, count: usize, mut f: impl FnMut(usize, f64)) {
+    let (mut p, mut before) = (1.0, 0.0);
+    for l in 0..count {
+        f(l, p);
+        let next = ((2 * l + 1) as f64 * x * p - l as f64 * before) / (l + 1) as f64;
+        (before, p) = (p, next);
+    }
+}
+
 impl Phase {
     /// The phase function at a wavelength, sr⁻¹.
     pub fn at(&self, cos_theta: f64, wavelength_nm: f64) -> f64 {
