@@ -17,6 +17,7 @@ pub mod colour;
 pub mod columns;
 pub mod geometry;
 pub mod irradiance;
+pub mod light;
 pub mod lognormal;
 pub mod medium;
 pub mod mie;
