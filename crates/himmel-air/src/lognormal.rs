@@ -38,14 +38,14 @@ impl Mode {
     /// Radii in µm and the number of particles that each stands for.
     ///
     /// The trapezoidal rule in ln r, which converges faster than any power for a bell. From −6 ln S below the median
-    /// to 6 ln S above the peak of the weight r⁶ (small spheres) or r² (large ones), whichever decides.
+    /// to 6 ln S above the peak of the weight r⁸ (g of small spheres), or 7.5 ln S above that of r² (large ones).
     fn nodes(&self, wavelength_nm: f64, count: usize) -> Vec<(f64, f64)> {
         let s = self.geometric_deviation.ln();
         if s < 1e-9 {
             return vec![(self.median_radius_um, self.number_per_cm3)];
         }
         let large = (3.0 * wavelength_nm / 1e3 / (2.0 * PI * self.median_radius_um)).ln();
-        let (low, high) = (-6.0 * s, (6.0 * s * s + 6.0 * s).min((2.0 * s * s + 6.0 * s).max(large)));
+        let (low, high) = (-6.0 * s, (8.0 * s * s + 6.0 * s).min((2.0 * s * s + 7.5 * s).max(large + 1.5)));
         let step = (high - low) / (count - 1) as f64;
         let norm = self.number_per_cm3 * step / ((2.0 * PI).sqrt() * s);
         (0..count)
