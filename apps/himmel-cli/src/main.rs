@@ -31,6 +31,8 @@ enum Command {
     Params(commands::params::Args),
     /// Name the GPU adapter, its limits, and the data sets with their licences.
     Info(commands::info::Args),
+    /// Particles, gases and whole atmospheres: cross sections, optical depth, phase functions, plots.
+    Optics(commands::optics::Args),
     /// Measure the renderer: medians per pass, memory of the tables.
     Bench(commands::bench::Args),
 }
@@ -100,6 +102,7 @@ fn main() -> ExitCode {
         Command::Render(args) => commands::render::run(&args, cli.quiet),
         Command::Params(args) => commands::params::run(&args),
         Command::Info(args) => commands::info::run(&args),
+        Command::Optics(args) => commands::optics::run(&args, cli.quiet),
         Command::Bench(args) => commands::bench::run(&args, cli.quiet),
     };
     match result {

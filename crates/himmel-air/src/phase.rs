@@ -37,8 +37,8 @@ pub enum Phase {
     Tabulated(Tabulated),
 }
 
-/// A phase function in tables, one for each wavelength: the logarithm is linear between the angles and between the
-/// wavelengths; beyond the last wavelengths it stays what it is there.
+/// A phase function in tables, one for each wavelength: the logarithm is linear between the angles, the value
+/// between the wavelengths (which keeps the integral); beyond the last wavelengths it stays what it is there.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tabulated {
     wavelength_nm: Vec<f64>,
@@ -94,7 +94,7 @@ impl Tabulated {
         if t == 0.0 {
             return self.one(i, cos_theta);
         }
-        interpolate::lerp(self.log_one(i, cos_theta), self.log_one(i + 1, cos_theta), t).exp()
+        interpolate::lerp(self.one(i, cos_theta), self.one(i + 1, cos_theta), t)
     }
 }
 

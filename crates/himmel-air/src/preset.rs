@@ -173,7 +173,20 @@ mod tests {
             ("scale_height_km = 8.0", "scale_height_km = 0.0", vec!["(\"air\").profile.scale_height_km", "positive"]),
             ("version = 1", "version = 7", vec!["version", "7"]),
             ("single_scattering_albedo = 0.9", "single_scattering_albedo = 1.2", vec!["single_scattering_albedo", "1.2"]),
-            ("column_du = 300", "colum_du = 300", vec!["colum_du"]),
+            ("number_density_per_m3", "number_densty_per_m3", vec!["number_densty_per_m3"]),
+            // Line, value and bound; contradictions; gaps; nothing at all.
+            ("number_density_per_m3 = 5", "number_density_per_m3 = -5", vec!["line 29:", "number_density_per_m3", "-5", "positive"]),
+            ("scale_height_km = 1.2", "scale_height_km = -1.2", vec!["line 23:", "component 2", "-1.2"]),
+            ("top_altitude_km = 60", "top_altitude_km = -3", vec!["line 8:", "above the ground", "-3"]),
+            ("number_density_per_m3", "column_du = 300\nnumber_density_per_m3", vec!["exactly one amount"]),
+            ("extinction_per_m = 4.44e-6", "extinction_per_m = 4.44e-6\nvertical_optical_depth = 0.1", vec!["be said once"]),
+            ("extinction_per_m = 4.44e-6", "pressure_hpa = 3\nextinction_per_m = 4.44e-6", vec!["not be given twice"]),
+            ("extinction_per_m = 4.44e-6", "", vec!["be said once"]),
+            ("albedo = 0.1", "albedo = { wavelength_nm = [440, 680], value = [0.1, 0.2] }", vec!["line 11:", "cover 380 to 780", "440"]),
+            ("exponential = { scale_height_km = 1.2 }", "exponential = {}", vec!["scale_height_km", "temperature_k"]),
+            ("exponential = { scale_height_km = 1.2 }", "table = { altitude_km = [0, 1], value = [0, 0] }", vec!["hold something"]),
+            ("exponential = { scale_height_km = 1.2 }", "table = { altitude_km = [1, 0], value = [1, 0] }", vec!["ascend"]),
+            ("g = 0.8", "g = 0.8, haze = 0.7", vec!["either g or haze"]),
         ] {
             assert!(good.contains(from), "{from}");
             let error = Preset::from_toml(&good.replacen(from, to, 1), "test.toml").unwrap_err().to_string();

@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod info;
+pub mod optics;
 pub mod params;
 pub mod render;
 pub mod scene;
