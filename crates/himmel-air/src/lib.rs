@@ -27,6 +27,7 @@ pub mod preset;
 pub mod profile;
 pub mod rayleigh;
 pub mod refraction;
+pub mod shadow;
 pub mod single;
 pub mod sun;
 

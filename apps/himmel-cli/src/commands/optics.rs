@@ -164,7 +164,7 @@ fn print(json: bool, rows: &[(&str, f64)]) -> Result<(), Failure> {
         out!("{}", serde_json::to_string_pretty(&map).map_err(|error| Failure::failed(error.to_string()))?);
     } else {
         for (name, value) in rows {
-            out!("{name} = {value}");
+            if *value != 0.0 && value.abs() < 1e-3 { out!("{name} = {value:e}") } else { out!("{name} = {value}") }
         }
     }
     Ok(())

@@ -208,7 +208,10 @@ where
     Y: Ranged<ValueType = f64> + plotters::coord::ranged1d::ValueFormatter<f64>,
 {
     let mut context = context.map_err(|error| error.to_string())?;
-    let label = |value: &f64| if *value != 0.0 && (value.abs() < 1e-3 || value.abs() >= 1e5) { format!("{value:.0e}") } else { format!("{value}") };
+    let label = |value: &f64| match value.abs() {
+        size if size != 0.0 && !(0.009..1e5).contains(&size) => format!("{value:.0e}"),
+        _ => format!("{:.4}", value).trim_end_matches('0').trim_end_matches('.').to_string(),
+    };
     context
         .configure_mesh()
         .x_desc(&chart.x)
@@ -229,6 +232,7 @@ where
     }
     context
         .configure_series_labels()
+        .position(if chart.polar { SeriesLabelPosition::UpperLeft } else { SeriesLabelPosition::UpperRight })
         .background_style(WHITE.mix(0.8))
         .border_style(BLACK.mix(0.3))
         .label_font(("sans-serif", 14))
