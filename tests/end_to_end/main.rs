@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod examples;
+mod optics;
 mod pictures;
 
 use std::path::Path;

@@ -4,8 +4,8 @@ use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
 use himmel_air::colour::fit_xyz_from_four;
-use himmel_air::mie::{Index, Mie};
 use himmel_air::irradiance::{Directions, sky_irradiance};
+use himmel_air::mie::{Index, Mie};
 use himmel_air::single::{Ray, march};
 use himmel_air::{AirParams, Atmosphere, Columns, GroundParams, Preset, sun};
 
@@ -21,7 +21,11 @@ fn benches(c: &mut Criterion) {
     // The bound: under a second for the thousand.
     c.bench_function("a thousand spheres of size parameter 0.1 to 100", |b| {
         b.iter(|| {
-            (1..=1000).map(|i| Mie::new(0.1 * f64::from(i), black_box(Index { n: 1.5, k: 0.01 })).map_or(0.0, |mie| mie.q_ext)).sum::<f64>()
+            (1..=1000)
+                .map(|i| {
+                    Mie::new(0.1 * f64::from(i), black_box(Index { n: 1.5, k: 0.01 })).map_or(0.0, |mie| mie.q_ext)
+                })
+                .sum::<f64>()
         })
     });
     let mut group = c.benchmark_group("after an edit");

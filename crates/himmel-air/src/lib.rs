@@ -12,6 +12,9 @@
 //! # Ok::<(), himmel_air::AirError>(())
 //! ```
 
+// Sums over wavelengths index several arrays of N at once; iterators over one of them hide that.
+#![allow(clippy::needless_range_loop)]
+
 pub mod atmosphere;
 pub mod colour;
 pub mod columns;
@@ -28,6 +31,7 @@ pub mod profile;
 pub mod rayleigh;
 pub mod refraction;
 pub mod shadow;
+pub mod sharp;
 pub mod single;
 pub mod sun;
 

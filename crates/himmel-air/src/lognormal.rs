@@ -27,7 +27,11 @@ impl Mode {
             return wrong("median radius", "lie in 1e-5..=1e4 µm", median_radius_um);
         }
         if !(1.0..=10.0).contains(&geometric_deviation) {
-            return wrong("geometric standard deviation", "lie in 1..=10 (its logarithm stands in the exponent)", geometric_deviation);
+            return wrong(
+                "geometric standard deviation",
+                "lie in 1..=10 (its logarithm stands in the exponent)",
+                geometric_deviation,
+            );
         }
         if !(number_per_cm3 > 0.0 && number_per_cm3 <= 1e30) {
             return wrong("number of particles", "be positive and at most 1e30 per cm³", number_per_cm3);
@@ -124,7 +128,13 @@ pub fn lorenz_mie(modes: &[Mode], index: Index, wavelength_nm: f64, nodes: usize
 }
 
 /// The phase function of a mean particle at cosines of the scattering angle, sr⁻¹.
-pub fn phase_function(modes: &[Mode], index: Index, wavelength_nm: f64, nodes: usize, cosines: &[f64]) -> Result<Vec<f64>, AirError> {
+pub fn phase_function(
+    modes: &[Mode],
+    index: Index,
+    wavelength_nm: f64,
+    nodes: usize,
+    cosines: &[f64],
+) -> Result<Vec<f64>, AirError> {
     let (spheres, _) = spheres(modes, index, wavelength_nm, nodes)?;
     let (mut sum, mut scattering) = (vec![0.0; cosines.len()], 0.0);
     let largest = spheres.iter().map(|(mie, area)| area * mie.q_sca).fold(0.0, f64::max);
@@ -159,7 +169,13 @@ pub fn harmonic_extinction_m2(radius_um: f64, index: Index, wavelength_nm: f64) 
 }
 
 /// A mean particle by thesis B: harmonic-mean extinction, a given albedo and a given g [klupiec2024, eq. 19–24].
-pub fn harmonic_mean(modes: &[Mode], index: Index, wavelength_nm: f64, albedo: f64, g: f64) -> Result<Optics, AirError> {
+pub fn harmonic_mean(
+    modes: &[Mode],
+    index: Index,
+    wavelength_nm: f64,
+    albedo: f64,
+    g: f64,
+) -> Result<Optics, AirError> {
     check(modes, wavelength_nm)?;
     let index = Index::new(index.n, index.k)?;
     if !(0.0..=1.0).contains(&albedo) {
@@ -218,7 +234,8 @@ mod tests {
     #[test]
     fn the_harmonic_mean_has_the_right_ends() {
         for (radius_um, tolerance) in [(1e-4, 0.02), (100.0, 0.03)] {
-            let exact = Mie::new(2.0 * PI * radius_um / 0.55, SOOTY).unwrap().q_ext * PI * (radius_um * 1e-6_f64).powi(2);
+            let exact =
+                Mie::new(2.0 * PI * radius_um / 0.55, SOOTY).unwrap().q_ext * PI * (radius_um * 1e-6_f64).powi(2);
             let harmonic = harmonic_extinction_m2(radius_um, SOOTY, 550.0);
             assert!((harmonic / exact - 1.0).abs() < tolerance, "{radius_um}: {}", harmonic / exact);
         }
@@ -226,7 +243,11 @@ mod tests {
 
     #[test]
     fn nonsense_is_an_error() {
-        assert!(Mode::new(0.1, 0.9, 1.0).is_err() && Mode::new(f64::NAN, 1.5, 1.0).is_err() && Mode::new(0.1, 1.5, -1.0).is_err());
+        assert!(
+            Mode::new(0.1, 0.9, 1.0).is_err()
+                && Mode::new(f64::NAN, 1.5, 1.0).is_err()
+                && Mode::new(0.1, 1.5, -1.0).is_err()
+        );
         assert!(lorenz_mie(&[], SOOTY, 550.0, FINE).is_err());
         assert!(lorenz_mie(&[Mode::new(1e4, 9.0, 1.0).unwrap()], SOOTY, 550.0, 10).is_err());
         assert!(harmonic_mean(&[Mode::new(0.1, 1.5, 1.0).unwrap()], SOOTY, 550.0, 1.5, 0.7).is_err());

@@ -27,7 +27,11 @@ impl Index {
             return Err(value("real part of the refractive index", "lie in 0..=100 and not be 0", n));
         }
         if !(0.0..=100.0).contains(&k) {
-            return Err(value("imaginary part k of the refractive index n - ik", "lie in 0..=100 (positive absorbs)", k));
+            return Err(value(
+                "imaginary part k of the refractive index n - ik",
+                "lie in 0..=100 (positive absorbs)",
+                k,
+            ));
         }
         Ok(Self { n, k })
     }
@@ -81,14 +85,14 @@ impl Mie {
         for order in 1..=terms {
             let over = order as f64 / x;
             let d_outside = outside[order].re;
-            let psi_next = if (order as f64) < x { (2.0 * over - 1.0 / x) * psi - psi_before } else { psi / (over + d_outside) };
+            let psi_next =
+                if (order as f64) < x { (2.0 * over - 1.0 / x) * psi - psi_before } else { psi / (over + d_outside) };
             let chi_next = (2.0 * over - 1.0 / x) * chi - chi_before;
             (psi_before, psi) = (psi, psi_next);
             (chi_before, chi) = (chi, chi_next);
             let (xi, xi_before) = (Complex64::new(psi, -chi), Complex64::new(psi_before, -chi_before));
             let coefficient = |d: Complex64| {
-                let numerator =
-                    if (order as f64) < x { (d + over) * psi - psi_before } else { (d - d_outside) * psi };
+                let numerator = if (order as f64) < x { (d + over) * psi - psi_before } else { (d - d_outside) * psi };
                 numerator / ((d + over) * xi - xi_before)
             };
             coefficients.push((coefficient(inside[order] / m), coefficient(inside[order] * m)));
@@ -192,7 +196,12 @@ mod tests {
             (100.0, 10.0, 10.0, 1.836785, 0.556215),
         ] {
             let mie = sphere(x, n, k);
-            assert!((mie.q_sca - q_sca).abs() < 1e-6 && (mie.g - g).abs() < 1e-6, "{x} {n} {k}: {} {}", mie.q_sca, mie.g);
+            assert!(
+                (mie.q_sca - q_sca).abs() < 1e-6 && (mie.g - g).abs() < 1e-6,
+                "{x} {n} {k}: {} {}",
+                mie.q_sca,
+                mie.g
+            );
         }
     }
 
@@ -239,7 +248,9 @@ mod tests {
 
     #[test]
     fn the_phase_function_integrates_to_one_and_has_its_mean_cosine() {
-        for (x, n, k) in [(1e-3, 1.5, 0.0), (0.5, 1.33, 0.0), (12.0, 1.44, 0.0), (80.0, 1.57, 0.02), (500.0, 1.33, 1e-6)] {
+        for (x, n, k) in
+            [(1e-3, 1.5, 0.0), (0.5, 1.33, 0.0), (12.0, 1.44, 0.0), (80.0, 1.57, 0.02), (500.0, 1.33, 1e-6)]
+        {
             let mie = sphere(x, n, k);
             let moments = mie.legendre_moments(3);
             assert!((moments[0] - 1.0).abs() < 1e-9 && (moments[1] - mie.g).abs() < 1e-9, "{x}: {moments:?} {}", mie.g);
@@ -248,9 +259,15 @@ mod tests {
 
     #[test]
     fn nonsense_is_an_error() {
-        for (x, n, k) in
-            [(0.0, 1.5, 0.0), (-1.0, 1.5, 0.0), (f64::NAN, 1.5, 0.0), (1e9, 1.5, 0.0), (1.0, 0.0, 0.0), (1.0, 1.5, -0.1), (1.0, f64::INFINITY, 0.0)]
-        {
+        for (x, n, k) in [
+            (0.0, 1.5, 0.0),
+            (-1.0, 1.5, 0.0),
+            (f64::NAN, 1.5, 0.0),
+            (1e9, 1.5, 0.0),
+            (1.0, 0.0, 0.0),
+            (1.0, 1.5, -0.1),
+            (1.0, f64::INFINITY, 0.0),
+        ] {
             assert!(Mie::new(x, Index { n, k }).is_err());
         }
     }

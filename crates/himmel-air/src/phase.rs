@@ -60,13 +60,21 @@ impl Tabulated {
         let ascending = wavelength_nm.windows(2).all(|pair| pair[0] < pair[1]);
         if wavelength_nm.is_empty() || values.len() != wavelength_nm.len() || !ascending {
             let what = "number of phase tables".into();
-            return Err(AirError::Optics { what, law: "be that of its ascending wavelengths, and at least 1", got: values.len() as f64 });
+            return Err(AirError::Optics {
+                what,
+                law: "be that of its ascending wavelengths, and at least 1",
+                got: values.len() as f64,
+            });
         }
         let mut log_p = Vec::new();
         for table in values {
             if table.len() != Self::ANGLES || table.iter().any(|p| !(p.is_finite() && *p >= 0.0)) {
                 let what = "values of a phase table".into();
-                return Err(AirError::Optics { what, law: "be 256 numbers, zero or positive", got: table.len() as f64 });
+                return Err(AirError::Optics {
+                    what,
+                    law: "be 256 numbers, zero or positive",
+                    got: table.len() as f64,
+                });
             }
             // 1e-12 per steradian is darker than any scattered light that shows; keeps the logarithm finite.
             log_p.push(table.iter().map(|p| p.max(1e-12).ln()).collect::<Vec<f64>>());
@@ -141,7 +149,8 @@ pub fn cornette_shanks_phase(cos_theta: f64, g: f64) -> f64 {
 /// Laws tested: integrates to 1; α = 0 is Henyey–Greenstein, α = 1 Cornette–Shanks;
 /// mean cosine g (1 + α (3 + 2g²)/5) / (1 + α (1 + 2g²)/3).
 pub fn draine_phase(cos_theta: f64, g: f64, alpha: f64) -> f64 {
-    (1.0 + alpha * cos_theta * cos_theta) / (1.0 + alpha * (1.0 + 2.0 * g * g) / 3.0) * henyey_greenstein_phase(cos_theta, g)
+    (1.0 + alpha * cos_theta * cos_theta) / (1.0 + alpha * (1.0 + 2.0 * g * g) / 3.0)
+        * henyey_greenstein_phase(cos_theta, g)
 }
 
 /// Cornette and Shanks' parameter g of thesis C's haze parameter u, which is the mean cosine of the phase function:
@@ -270,7 +279,10 @@ mod tests {
         for (nm, g) in [(300.0, low), (400.0, low), (700.0, high), (900.0, high)] {
             for degrees in [0.1f64, 3.0, 40.0, 90.0, 177.0] {
                 let cosine = degrees.to_radians().cos();
-                assert!((table.at(cosine, nm) / henyey_greenstein_phase(cosine, g) - 1.0).abs() < 2e-3, "{nm} {degrees}");
+                assert!(
+                    (table.at(cosine, nm) / henyey_greenstein_phase(cosine, g) - 1.0).abs() < 2e-3,
+                    "{nm} {degrees}"
+                );
             }
             assert!((table.mean_cosine(nm) - g).abs() < 1e-4);
         }

@@ -70,7 +70,8 @@ impl Preset {
     /// One of the presets that are compiled in; see [`names`].
     pub fn named(name: &str) -> Result<Self, AirError> {
         // Each is read when it is first asked for: some compute their spheres.
-        static PARSED: [OnceLock<Result<Preset, AirError>>; EMBEDDED.len()] = [const { OnceLock::new() }; EMBEDDED.len()];
+        static PARSED: [OnceLock<Result<Preset, AirError>>; EMBEDDED.len()] =
+            [const { OnceLock::new() }; EMBEDDED.len()];
         match EMBEDDED.iter().position(|(known, _)| *known == name) {
             Some(index) => PARSED[index].get_or_init(|| Self::from_toml(EMBEDDED[index].1, name)).clone(),
             None => Err(AirError::UnknownPreset {
@@ -90,7 +91,8 @@ impl Preset {
         })?;
         let mut check = Check { file: name, text, gravity_m_s2: None };
         if let Some(gravity) = file.planet.gravity_m_s2 {
-            check.gravity_m_s2 = Some(check.within("planet.gravity_m_s2", gravity, 1e-4, 1e4, "lie in 0.0001..=1e4 m/s²")?);
+            check.gravity_m_s2 =
+                Some(check.within("planet.gravity_m_s2", gravity, 1e-4, 1e4, "lie in 0.0001..=1e4 m/s²")?);
         }
         if file.version != 1 {
             return Err(check.error("version", "be 1, the only version so far", f64::from(file.version)));
@@ -106,19 +108,24 @@ impl Preset {
             .map(|(index, table)| check.component(index, table))
             .collect::<Result<Vec<_>, _>>()?;
         let top_altitude_m = match file.planet.top_altitude_km {
-            Some(km) => check.within("planet.top_altitude_km", km, 0.1, 1e5, "lie above the ground: 0.1..=1e5 km")? * 1e3,
+            Some(km) => {
+                check.within("planet.top_altitude_km", km, 0.1, 1e5, "lie above the ground: 0.1..=1e5 km")? * 1e3
+            }
             None => Medium::natural_top_m(&components),
         };
         let ground_albedo = check.spectrum("ground.albedo", file.ground.albedo, 0.0, 1.0, "lie in 0..=1")?;
         let stars_given = !file.star.is_empty();
         check.within("star", file.star.len() as f64, 0.0, 8.0, "have at most 8 entries")?;
-        let mut stars = file.star.into_iter().enumerate().map(|(i, star)| check.star(i, star)).collect::<Result<Vec<_>, _>>()?;
+        let mut stars =
+            file.star.into_iter().enumerate().map(|(i, star)| check.star(i, star)).collect::<Result<Vec<_>, _>>()?;
         let light_distance_au = match file.light {
             Some(light) if stars_given => {
                 let law = "be left out where [[star]] gives distances";
                 return Err(check.error("light.distance_au", law, light.distance_au));
             }
-            Some(light) => Some(check.within("light.distance_au", light.distance_au, 1e-3, 1e4, "lie in 0.001..=1e4 au")?),
+            Some(light) => {
+                Some(check.within("light.distance_au", light.distance_au, 1e-3, 1e4, "lie in 0.001..=1e4 au")?)
+            }
             None => None,
         };
         if stars.is_empty() {
@@ -172,20 +179,44 @@ mod tests {
             ("albedo = 0.1", "albedo = nan", vec!["ground.albedo", "NaN"]),
             ("scale_height_km = 8.0", "scale_height_km = 0.0", vec!["(\"air\").profile.scale_height_km", "positive"]),
             ("version = 1", "version = 7", vec!["version", "7"]),
-            ("single_scattering_albedo = 0.9", "single_scattering_albedo = 1.2", vec!["single_scattering_albedo", "1.2"]),
+            (
+                "single_scattering_albedo = 0.9",
+                "single_scattering_albedo = 1.2",
+                vec!["single_scattering_albedo", "1.2"],
+            ),
             ("number_density_per_m3", "number_densty_per_m3", vec!["number_densty_per_m3"]),
             // Line, value and bound; contradictions; gaps; nothing at all.
-            ("number_density_per_m3 = 5", "number_density_per_m3 = -5", vec!["line 29:", "number_density_per_m3", "-5", "positive"]),
+            (
+                "number_density_per_m3 = 5",
+                "number_density_per_m3 = -5",
+                vec!["line 29:", "number_density_per_m3", "-5", "positive"],
+            ),
             ("scale_height_km = 1.2", "scale_height_km = -1.2", vec!["line 23:", "component 2", "-1.2"]),
             ("top_altitude_km = 60", "top_altitude_km = -3", vec!["line 8:", "above the ground", "-3"]),
             ("number_density_per_m3", "column_du = 300\nnumber_density_per_m3", vec!["exactly one amount"]),
-            ("extinction_per_m = 4.44e-6", "extinction_per_m = 4.44e-6\nvertical_optical_depth = 0.1", vec!["be said once"]),
+            (
+                "extinction_per_m = 4.44e-6",
+                "extinction_per_m = 4.44e-6\nvertical_optical_depth = 0.1",
+                vec!["be said once"],
+            ),
             ("extinction_per_m = 4.44e-6", "pressure_hpa = 3\nextinction_per_m = 4.44e-6", vec!["not be given twice"]),
             ("extinction_per_m = 4.44e-6", "", vec!["be said once"]),
-            ("albedo = 0.1", "albedo = { wavelength_nm = [440, 680], value = [0.1, 0.2] }", vec!["line 11:", "cover 380 to 780", "440"]),
+            (
+                "albedo = 0.1",
+                "albedo = { wavelength_nm = [440, 680], value = [0.1, 0.2] }",
+                vec!["line 11:", "cover 380 to 780", "440"],
+            ),
             ("exponential = { scale_height_km = 1.2 }", "exponential = {}", vec!["scale_height_km", "temperature_k"]),
-            ("exponential = { scale_height_km = 1.2 }", "table = { altitude_km = [0, 1], value = [0, 0] }", vec!["hold something"]),
-            ("exponential = { scale_height_km = 1.2 }", "table = { altitude_km = [1, 0], value = [1, 0] }", vec!["ascend"]),
+            (
+                "exponential = { scale_height_km = 1.2 }",
+                "table = { altitude_km = [0, 1], value = [0, 0] }",
+                vec!["hold something"],
+            ),
+            (
+                "exponential = { scale_height_km = 1.2 }",
+                "table = { altitude_km = [1, 0], value = [1, 0] }",
+                vec!["ascend"],
+            ),
             ("g = 0.8", "g = 0.8, haze = 0.7", vec!["either g or haze"]),
         ] {
             assert!(good.contains(from), "{from}");

@@ -82,9 +82,9 @@ impl Profile {
             Self::Sum(parts) => parts.iter().map(|(weight, part)| weight * part.at(altitude_m)).sum::<f64>().max(0.0),
             Self::Layered { scale_height_m, layers } => {
                 let base = (-altitude_m / scale_height_m).exp();
-                let corrections = layers
-                    .iter()
-                    .map(|[centre, width, value]| (value - base) * (-0.5 * ((altitude_m - centre) / width).powi(2)).exp());
+                let corrections = layers.iter().map(|[centre, width, value]| {
+                    (value - base) * (-0.5 * ((altitude_m - centre) / width).powi(2)).exp()
+                });
                 (base + corrections.sum::<f64>()).max(0.0)
             }
         }
@@ -103,7 +103,11 @@ impl Profile {
             Self::Sum(parts) => return parts.iter().map(|(weight, part)| weight * part.column_m(from_m, to_m)).sum(),
             Self::Layered { scale_height_m, layers } => {
                 cuts.extend((0..=60).map(|i| from_m + f64::from(i) * scale_height_m));
-                cuts.extend(layers.iter().flat_map(|[centre, width, _]| (-12..=12).map(move |i| centre + 0.5 * f64::from(i) * width)));
+                cuts.extend(
+                    layers
+                        .iter()
+                        .flat_map(|[centre, width, _]| (-12..=12).map(move |i| centre + 0.5 * f64::from(i) * width)),
+                );
             }
         }
         cuts.retain(|cut| (from_m..=to_m).contains(cut));

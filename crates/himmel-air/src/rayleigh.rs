@@ -164,7 +164,9 @@ mod tests {
             let depth = 2.149e29 * air_cross_section_m2(wavelength_nm);
             assert!((depth / published - 1.0).abs() < 0.01, "{wavelength_nm} nm: {depth}");
             let computed = 2.149e29 * Gas::Air.cross_section_m2(wavelength_nm);
-            println!("{wavelength_nm} nm: fit {depth:.5}, Lorentz–Lorenz and King {computed:.5}, published {published}");
+            println!(
+                "{wavelength_nm} nm: fit {depth:.5}, Lorentz–Lorenz and King {computed:.5}, published {published}"
+            );
             assert!((computed / published - 1.0).abs() < 0.01, "{wavelength_nm} nm: {computed}");
         }
         let king = (6.0 + 3.0 * 0.0279) / (6.0 - 7.0 * 0.0279);

@@ -88,7 +88,7 @@ pub fn trace(medium: &Medium, wavelength_nm: f64, altitude_m: f64, elevation_rad
     if !(0.0..=1e9).contains(&altitude_m) {
         return wrong("altitude of a ray", "lie in 0..=1e9 m", altitude_m);
     }
-    if !(elevation_rad.abs() <= std::f64::consts::FRAC_PI_2) {
+    if !(-std::f64::consts::FRAC_PI_2..=std::f64::consts::FRAC_PI_2).contains(&elevation_rad) {
         return wrong("elevation of a ray", "lie in -π/2..=π/2", elevation_rad);
     }
     if !(1.0..=1e6).contains(&wavelength_nm) {
@@ -103,7 +103,13 @@ pub fn trace(medium: &Medium, wavelength_nm: f64, altitude_m: f64, elevation_rad
         let impact = (radius_m + altitude_m) * elevation_rad.cos();
         if elevation_rad >= 0.0 || impact >= radius_m + top_m {
             let lowest_m = if elevation_rad < 0.0 { impact - radius_m } else { altitude_m };
-            return Ok(Bent { deviation_rad: 0.0, optical_depth: 0.0, planet_angle_rad: 0.0, lowest_m, end: End::Space });
+            return Ok(Bent {
+                deviation_rad: 0.0,
+                optical_depth: 0.0,
+                planet_angle_rad: 0.0,
+                lowest_m,
+                end: End::Space,
+            });
         }
         let mu = -(1.0 - (impact / (radius_m + top_m)).powi(2)).sqrt();
         y = [top_m, mu, (-mu).asin() - (-y[1]).asin(), 0.0, 0.0];
@@ -159,7 +165,8 @@ impl RefractionTable {
     pub fn new(medium: &Medium, wavelengths_nm: &[f64], altitudes: usize, elevations: usize) -> Result<Self, AirError> {
         let (altitudes, elevations) = (altitudes.clamp(2, 512), elevations.clamp(8, 4096));
         let unit = |i: usize, n: usize| i as f64 / (n - 1) as f64;
-        let altitudes_m: Vec<f64> = (0..altitudes).map(|i| medium.top_altitude_m * unit(i, altitudes).powi(2)).collect();
+        let altitudes_m: Vec<f64> =
+            (0..altitudes).map(|i| medium.top_altitude_m * unit(i, altitudes).powi(2)).collect();
         let w = 2f64.to_radians();
         let (a, b) = ((-6f64.to_radians() / w).asinh(), (90f64.to_radians() / w).asinh());
         let elevations_rad: Vec<f64> = (0..elevations).map(|i| w * lerp(a, b, unit(i, elevations)).sinh()).collect();
@@ -189,7 +196,8 @@ impl RefractionTable {
             return (0.0, 0.0);
         }
         let ((i, s), (j, t)) = (locate(&self.altitudes_m, altitude_m), locate(&self.elevations_rad, elevation_rad));
-        let node = |i: usize, j: usize| self.values[(wavelength * self.altitudes_m.len() + i) * self.elevations_rad.len() + j];
+        let node =
+            |i: usize, j: usize| self.values[(wavelength * self.altitudes_m.len() + i) * self.elevations_rad.len() + j];
         let row = |i: usize| {
             let (a, b) = (node(i, j), node(i, j + 1));
             (lerp(a.0, b.0, t), lerp(a.1, b.1, t))
@@ -226,7 +234,8 @@ mod tests {
         let amount = crate::rayleigh::number_density_per_m3(101_000.0, 283.15) / 2.5469e25;
         medium.components.truncate(1);
         medium.components[0].amount = amount;
-        medium.components[0].profile = crate::Profile::LogTable { value: altitude_m.iter().map(|&h| density(h)).collect(), altitude_m };
+        medium.components[0].profile =
+            crate::Profile::LogTable { value: altitude_m.iter().map(|&h| density(h)).collect(), altitude_m };
         medium.top_altitude_m = 100e3;
         medium
     }

@@ -38,7 +38,13 @@ impl ShadowLight {
     ///
     /// Laws tested: without refraction nothing reaches the axis of the umbra; far outside the light is full; red
     /// reaches further in than blue.
-    pub fn new(medium: &Medium, wavelength_nm: f64, distance_m: f64, star_angular_radius_rad: f64, rays: usize) -> Result<Self, AirError> {
+    pub fn new(
+        medium: &Medium,
+        wavelength_nm: f64,
+        distance_m: f64,
+        star_angular_radius_rad: f64,
+        rays: usize,
+    ) -> Result<Self, AirError> {
         let wrong = |what: &str, law, got| Err(AirError::Optics { what: what.into(), law, got });
         let (solid, top) = (medium.bottom_radius_m, medium.bottom_radius_m + medium.top_altitude_m);
         if !(distance_m > 2.0 * top && distance_m <= 1e13) {
@@ -60,7 +66,12 @@ impl ShadowLight {
                 rings.push(Ring { impact_m, arrives_m, through: (-bent.optical_depth).exp() });
             }
         }
-        Ok(Self { rings, star_radius_m: star_angular_radius_rad * distance_m, solid_radius_m: solid, top_radius_m: top })
+        Ok(Self {
+            rings,
+            star_radius_m: star_angular_radius_rad * distance_m,
+            solid_radius_m: solid,
+            top_radius_m: top,
+        })
     }
 
     /// Share of the star's light that arrives at a distance from the axis, 0..=1 (a little above 1 is focusing).

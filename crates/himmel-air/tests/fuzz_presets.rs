@@ -12,15 +12,48 @@ macro_rules! texts {
 
 /// Presets to break. `venus` and `earth-volcanic` compute spheres and cost 100 ms each, so they are broken rarely.
 const QUICK: &[&str] = texts![
-    "earth", "bruneton2017", "earth-haze", "mars-reference", "titan-reference", "earth-klupiec", "earth-mueller-clean", "mars",
-    "mars-collienne", "titan", "moonlet", "giant", "m-dwarf-ocean",
+    "earth",
+    "bruneton2017",
+    "earth-haze",
+    "mars-reference",
+    "titan-reference",
+    "earth-klupiec",
+    "earth-mueller-clean",
+    "mars",
+    "mars-collienne",
+    "titan",
+    "moonlet",
+    "giant",
+    "m-dwarf-ocean",
 ];
 const SLOW: &[&str] = texts!["venus", "earth-volcanic"];
 
 /// What numbers become.
 const NUMBERS: &[&str] = &[
-    "0", "-0.0", "-1", "nan", "inf", "-inf", "1e308", "-1e308", "1e-308", "1e40", "1e30", "1e-30", "9223372036854775807", "0.5", "1",
-    "2.5", "380", "1e5", "true", "\"x\"", "[]", "{}", "[1, 2]", "{ reference_nm = 1e-300, value = 1e300, exponent = -4 }",
+    "0",
+    "-0.0",
+    "-1",
+    "nan",
+    "inf",
+    "-inf",
+    "1e308",
+    "-1e308",
+    "1e-308",
+    "1e40",
+    "1e30",
+    "1e-30",
+    "9223372036854775807",
+    "0.5",
+    "1",
+    "2.5",
+    "380",
+    "1e5",
+    "true",
+    "\"x\"",
+    "[]",
+    "{}",
+    "[1, 2]",
+    "{ reference_nm = 1e-300, value = 1e300, exponent = -4 }",
 ];
 
 /// A way to break a text; the numbers choose where.
@@ -52,7 +85,8 @@ fn break_text(text: &str, other: &str, edits: &[(u8, u16, u16)]) -> String {
             _ => {
                 // Another value behind the last "=" or within a list.
                 let line = &lines[at];
-                let cut = line.char_indices().filter(|(_, c)| matches!(c, '=' | ',' | '[')).map(|(i, _)| i).nth(with % 3);
+                let cut =
+                    line.char_indices().filter(|(_, c)| matches!(c, '=' | ',' | '[')).map(|(i, _)| i).nth(with % 3);
                 if let Some(cut) = cut {
                     let rest = &line[cut + 1..];
                     let end = rest.find([',', ']', '}', '#']).unwrap_or(rest.len());
@@ -73,7 +107,8 @@ fn broken_presets_are_errors_and_never_panics() {
     runner
         .run(&(any::<u16>(), any::<u16>(), edits), |(which, other, edits)| {
             let slow = which % 1000 == 7;
-            let text = if slow { SLOW[which as usize / 1000 % SLOW.len()] } else { QUICK[which as usize % QUICK.len()] };
+            let text =
+                if slow { SLOW[which as usize / 1000 % SLOW.len()] } else { QUICK[which as usize % QUICK.len()] };
             let broken = break_text(text, QUICK[other as usize % QUICK.len()], &edits);
             match Preset::from_toml(&broken, "fuzz.toml") {
                 Ok(preset) => {

@@ -20,13 +20,19 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum What {
     /// One sphere, by exact Lorenz–Mie: efficiencies and mean cosine.
-    #[command(after_help = "Example:\n  himmel optics mie --radius-um 0.525 --index 1.55,0 --wavelength-nm 632.8 --json")]
+    #[command(
+        after_help = "Example:\n  himmel optics mie --radius-um 0.525 --index 1.55,0 --wavelength-nm 632.8 --json"
+    )]
     Mie(MieArgs),
     /// Log-normal modes of spheres: cross sections of a mean particle.
-    #[command(after_help = "Example:\n  himmel optics lognormal --mode 0.069,2.03,1.3e4 --mode 0.97,2.15,4.2 --index 1.57,0.02 --wavelength-nm 550")]
+    #[command(
+        after_help = "Example:\n  himmel optics lognormal --mode 0.069,2.03,1.3e4 --mode 0.97,2.15,4.2 --index 1.57,0.02 --wavelength-nm 550"
+    )]
     Lognormal(LognormalArgs),
     /// A component of an atmosphere: coefficients, albedo, mean cosine, Legendre moments, column.
-    #[command(after_help = "Example:\n  himmel optics component --preset venus --name clouds --wavelength-nm 550 --json")]
+    #[command(
+        after_help = "Example:\n  himmel optics component --preset venus --name clouds --wavelength-nm 550 --json"
+    )]
     Component(ComponentArgs),
     /// Vertical optical depth of an atmosphere, by component.
     #[command(after_help = "Example:\n  himmel optics depth --preset bruneton2017 --wavelength-nm 550 --json")]
@@ -138,9 +144,10 @@ fn preset(name: &str) -> Result<Preset, Failure> {
 /// `N` numbers with commas between them.
 fn numbers<const N: usize>(what: &str, form: &str, text: &str) -> Result<[f64; N], Failure> {
     let parsed: Result<Vec<f64>, _> = text.split(',').map(|field| field.trim().parse::<f64>()).collect();
-    parsed.ok().and_then(|values| <[f64; N]>::try_from(values).ok()).ok_or_else(|| {
-        Failure::usage(format!("{what} takes {form}, got {}", himmel::params::shorten(text)))
-    })
+    parsed
+        .ok()
+        .and_then(|values| <[f64; N]>::try_from(values).ok())
+        .ok_or_else(|| Failure::usage(format!("{what} takes {form}, got {}", himmel::params::shorten(text))))
 }
 
 fn wavelength(nm: f64) -> Result<f64, Failure> {
@@ -192,7 +199,8 @@ fn lognormal(args: &LognormalArgs) -> Result<(), Failure> {
     let nm = wavelength(args.wavelength_nm)?;
     let index = index(&args.index)?;
     let mode = |text: &String| {
-        let [radius, deviation, number] = numbers("--mode", "RG,SG,N: median radius (um), geometric deviation, number per cm3", text)?;
+        let [radius, deviation, number] =
+            numbers("--mode", "RG,SG,N: median radius (um), geometric deviation, number per cm3", text)?;
         Ok(Mode::new(radius, deviation, number)?)
     };
     let modes = args.mode.iter().map(mode).collect::<Result<Vec<_>, Failure>>()?;
@@ -220,7 +228,11 @@ fn component(args: &ComponentArgs) -> Result<(), Failure> {
     let Some(component) = medium.components.iter().find(|component| component.name == args.name) else {
         let names: Vec<&str> = medium.components.iter().map(|component| component.name.as_str()).collect();
         let asked = himmel::params::shorten(&args.name);
-        return Err(Failure::usage(format!("{} has no component \"{asked}\"; it has {}", args.preset, names.join(", "))));
+        return Err(Failure::usage(format!(
+            "{} has no component \"{asked}\"; it has {}",
+            args.preset,
+            names.join(", ")
+        )));
     };
     let (scattering, absorption) = (component.scattering_per_m.at(nm), component.absorption_per_m.at(nm));
     let extinction = scattering + absorption;
@@ -267,7 +279,8 @@ fn depth(args: &DepthArgs) -> Result<(), Failure> {
             .iter()
             .map(|component| {
                 let column = component.profile.column_m(0.0, medium.top_altitude_m) * component.amount;
-                let (scattering, absorption) = (component.scattering_per_m.at(nm) * column, component.absorption_per_m.at(nm) * column);
+                let (scattering, absorption) =
+                    (component.scattering_per_m.at(nm) * column, component.absorption_per_m.at(nm) * column);
                 total += scattering + absorption;
                 (component.name.clone(), scattering, absorption)
             })
@@ -292,14 +305,18 @@ fn depth(args: &DepthArgs) -> Result<(), Failure> {
                 serde_json::json!({ "wavelength_nm": nm, "species": species, "total": total })
             })
             .collect();
-        let answer = serde_json::json!({ "preset": args.preset, "top_altitude_m": medium.top_altitude_m, "depths": rows });
+        let answer =
+            serde_json::json!({ "preset": args.preset, "top_altitude_m": medium.top_altitude_m, "depths": rows });
         out!("{}", serde_json::to_string_pretty(&answer).map_err(|error| Failure::failed(error.to_string()))?);
         return Ok(());
     }
     for (nm, species, total) in answers {
         out!("{nm} nm, from the ground to {} km", medium.top_altitude_m / 1000.0);
         for (name, scattering, absorption) in species {
-            out!("  {:12.6e}  {name}  (scattering {scattering:.4e}, absorption {absorption:.4e})", scattering + absorption);
+            out!(
+                "  {:12.6e}  {name}  (scattering {scattering:.4e}, absorption {absorption:.4e})",
+                scattering + absorption
+            );
         }
         out!("  {total:12.6e}  together");
     }

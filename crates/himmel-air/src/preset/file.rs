@@ -143,11 +143,27 @@ pub(super) enum ProfileTable {
         temperature_k: Option<f64>,
         molar_mass_g_mol: Option<f64>,
     },
-    Gaussian { centre_km: f64, width_km: f64 },
-    Tent { bottom_km: f64, peak_km: f64, top_km: f64 },
-    Table { altitude_km: Vec<f64>, value: Vec<f64>, #[serde(default)] logarithmic: bool },
+    Gaussian {
+        centre_km: f64,
+        width_km: f64,
+    },
+    Tent {
+        bottom_km: f64,
+        peak_km: f64,
+        top_km: f64,
+    },
+    Table {
+        altitude_km: Vec<f64>,
+        value: Vec<f64>,
+        #[serde(default)]
+        logarithmic: bool,
+    },
     Sum(Vec<PartTable>),
-    Layered { scale_height_km: f64, reference: f64, layer: Vec<LayerTable> },
+    Layered {
+        scale_height_km: f64,
+        reference: f64,
+        layer: Vec<LayerTable>,
+    },
     OzoneUs1976 {},
 }
 

@@ -130,7 +130,8 @@ fn phase(preset: &str, components: &[&Component], wavelengths_nm: &[f64]) -> Res
             let Some(phase) = &c.phase else { continue };
             let at = |i: i32| {
                 let theta = f64::from(i).to_radians() * 0.5;
-                let radius = ((4.0 * std::f64::consts::PI * phase.at(theta.cos(), nm)).max(1e-30).log10() + 3.0).max(0.0);
+                let radius =
+                    ((4.0 * std::f64::consts::PI * phase.at(theta.cos(), nm)).max(1e-30).log10() + 3.0).max(0.0);
                 (radius * theta.cos(), radius * theta.sin())
             };
             curves.push(Curve { name: format!("{} {nm} nm", c.name), points: (-360..=360).map(at).collect() });
@@ -160,7 +161,8 @@ fn write(chart: &Chart, path: &Path) -> Result<(), Failure> {
         Some("png") => {
             let mut pixels = vec![0; (SIZE.0 * SIZE.1 * 3) as usize];
             draw(chart, &BitMapBackend::with_buffer(&mut pixels, SIZE).into_drawing_area()).map_err(failed)?;
-            image::save_buffer(path, &pixels, SIZE.0, SIZE.1, image::ColorType::Rgb8).map_err(|error| failed(error.to_string()))
+            image::save_buffer(path, &pixels, SIZE.0, SIZE.1, image::ColorType::Rgb8)
+                .map_err(|error| failed(error.to_string()))
         }
         _ => Err(Failure::usage(format!("a plot is written as .png or .svg, got {}", path.display()))),
     }
@@ -199,7 +201,8 @@ fn draw<B: DrawingBackend>(chart: &Chart, area: &DrawingArea<B, Shift>) -> Resul
     area.present().map_err(|error| error.to_string())
 }
 
-type Built<'a, B, X, Y> = Result<ChartContext<'a, B, Cartesian2d<X, Y>>, DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
+type Built<'a, B, X, Y> =
+    Result<ChartContext<'a, B, Cartesian2d<X, Y>>, DrawingAreaErrorKind<<B as DrawingBackend>::ErrorType>>;
 
 fn finish<'a, B, X, Y>(chart: &Chart, context: Built<'a, B, X, Y>) -> Result<(), String>
 where
