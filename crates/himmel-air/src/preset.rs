@@ -169,6 +169,22 @@ mod tests {
         }
     }
 
+    /// A measured phase function, by angle and wavelength: scaled to integrate to 1; errors as everywhere.
+    #[test]
+    fn a_phase_function_may_be_a_table() {
+        let good = EMBEDDED[1].1;
+        let read = |table: &str| Preset::from_toml(&good.replacen("cornette_shanks = { g = 0.8 }", table, 1), "t");
+        let table = "table = { wavelength_nm = [400, 700], angle_deg = [0, 90, 180], value = [[2, 2, 2], [3, 1, 3]] }";
+        let phase = read(table).unwrap().medium.components[1].phase.clone().unwrap();
+        assert!((phase.at(0.3, 400.0) - 0.25 / std::f64::consts::PI).abs() < 1e-6);
+        assert!(
+            phase.at(1.0, 700.0) > phase.at(0.0, 700.0) && (phase.legendre_moments(1, 550.0)[0] - 1.0).abs() < 1e-9
+        );
+        assert!(read(&table.replace("180", "170")).unwrap_err().to_string().contains("run from 0 to 180"));
+        assert!(read(&table.replace("[3, 1, 3]", "[3, -1, 3]")).unwrap_err().to_string().contains("-1"));
+        assert!(read(&table.replace("[3, 1, 3]", "[3, 1]")).is_err());
+    }
+
     #[test]
     fn mistakes_name_file_line_value_and_bound() {
         let good = EMBEDDED[1].1;

@@ -277,6 +277,25 @@ impl Check<'_> {
                 let alpha = self.within(&format!("{what}.alpha"), alpha, 0.0, 1e6, "lie in 0..=1e6")?;
                 Phase::Draine { g: g(table)?, alpha }
             }
+            PhaseTable::Table { wavelength_nm, angle_deg, value } => {
+                self.ascending(&format!("{what}.wavelength_nm"), &wavelength_nm, value.len())?;
+                let angles = format!("{what}.angle_deg");
+                let (first, last) = (angle_deg.first().copied(), angle_deg.last().copied());
+                if (first, last) != (Some(0.0), Some(180.0)) {
+                    return Err(self.error(angles, "run from 0 to 180", last.unwrap_or(f64::NAN)));
+                }
+                let mut tables = Vec::new();
+                for row in &value {
+                    self.ascending(&angles, &angle_deg, row.len())?;
+                    for &p in row {
+                        self.within(&format!("{what}.value"), p, 0.0, 1e12, "be zero or positive")?;
+                    }
+                    let at =
+                        |cosine: &f64| himmel_core::interpolate::linear(&angle_deg, row, cosine.acos().to_degrees());
+                    tables.push(Tabulated::cosines().iter().map(at).collect());
+                }
+                Phase::Tabulated(Tabulated::new(wavelength_nm, tables).map_err(|error| self.locate(what, error))?)
+            }
         })
     }
 

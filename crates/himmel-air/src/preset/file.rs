@@ -200,4 +200,9 @@ pub(super) enum PhaseTable {
         g: SpectrumTable,
         alpha: f64,
     },
+    Table {
+        wavelength_nm: Vec<f64>,
+        angle_deg: Vec<f64>,
+        value: Vec<Vec<f64>>,
+    },
 }
