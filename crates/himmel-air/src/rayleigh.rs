@@ -76,7 +76,7 @@ impl Gas {
     /// 1 + 0.54 (360 − 300)e-6 for its CO₂ [bodhaine1999, eq. 19].
     /// N₂: 1e8 (n−1) = 6498.2 + 307.43305e12/(14.4e9 − σ̃²) below 21360 cm⁻¹, 5677.465 + 318.81874e12/(14.4e9 − σ̃²)
     /// above; CO₂: five resonances [sneep2005]. CH₄: 42.6e-5 (1 + 0.01441 σ²) at 273.15 K [allen1973, §36], because the form
-    /// in the former source is 13 % above what methane's polarisability of 2.6e-30 m³ allows.
+    /// usually quoted from the former source is 13 % above what methane's polarisability of 2.6e-30 m³ allows.
     pub fn refractivity(self, wavelength_nm: f64) -> f64 {
         let micron = 1e6 / (wavelength_nm * wavelength_nm);
         let per_cm = 1e14 / (wavelength_nm * wavelength_nm);
