@@ -21,7 +21,7 @@ const COVERED_NM: (f64, f64) = (380.0, 780.0);
 /// Wavelengths at which Lorenz–Mie is tabulated for a preset, nm.
 const MIE_NM: [f64; 6] = [360.0, 430.0, 500.0, 580.0, 680.0, 830.0];
 
-/// Radii per mode for a preset: within 0.5 % of [`lognormal::FINE`] for narrow modes of droplets.
+/// Radii per mode for a preset: within 1 % of [`lognormal::FINE`] for modes of droplets (tested there).
 const MIE_NODES: usize = 160;
 
 /// Where the words of an error come from.
