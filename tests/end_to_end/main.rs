@@ -3,6 +3,7 @@
 mod astronomy;
 mod bad_input;
 mod examples;
+mod optics;
 mod pictures;
 
 use std::path::Path;

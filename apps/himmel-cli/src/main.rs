@@ -37,6 +37,8 @@ enum Command {
     Almanac(commands::almanac::Args),
     /// Eclipses of the Moon, and of the Sun at a place.
     Eclipses(commands::eclipses::Args),
+    /// Particles, gases and whole atmospheres: cross sections, optical depth, phase functions, plots.
+    Optics(commands::optics::Args),
     /// Measure the renderer: medians per pass, memory of the tables.
     Bench(commands::bench::Args),
 }
@@ -116,6 +118,7 @@ fn main() -> ExitCode {
         Command::Ephemeris(args) => commands::ephemeris::run(&args),
         Command::Almanac(args) => commands::almanac::run(&args, cli.quiet),
         Command::Eclipses(args) => commands::eclipses::run(&args, cli.quiet),
+        Command::Optics(args) => commands::optics::run(&args, cli.quiet),
         Command::Bench(args) => commands::bench::run(&args, cli.quiet),
     };
     match result {

@@ -12,7 +12,6 @@ use crate::medium::{Class, Medium, Sampled};
 use crate::params::{AirParams, GroundParams};
 use crate::preset::Preset;
 use crate::single::{March, Ray, enter, march};
-use crate::sun;
 
 /// Columns of the table of sky irradiance on the ground.
 pub const IRRADIANCE_WIDTH: usize = 64;
@@ -34,7 +33,7 @@ impl Atmosphere {
         let mut medium = preset.medium.clone();
         let columns = Columns::new(&medium);
         // Fitted to the preset as it is: thinner or thicker air of the same kind keeps its matrix.
-        let xyz_from_four = fit_xyz_from_four(&medium, &columns, sun::irradiance_w_m2_nm(), &wavelengths_nm);
+        let xyz_from_four = fit_xyz_from_four(&medium, &columns, &preset.light_at_1_au_w_m2_nm(), &wavelengths_nm);
         for component in &mut medium.components {
             let factor = match component.class() {
                 Class::Molecules => air.molecules,

@@ -20,11 +20,35 @@ pub enum AirError {
         message: String,
     },
     /// A value breaks a law.
-    #[error("{file}: {what} must {law}, got {got}")]
+    #[error("{file}: line {line}: {what} must {law}, got {got}")]
     Value {
         /// File or preset.
         file: String,
+        /// Where the key stands.
+        line: usize,
         /// The key.
+        what: String,
+        /// What it must be.
+        law: &'static str,
+        /// What it is.
+        got: f64,
+    },
+    /// Quantities that cannot stand together, or one that is missing.
+    #[error("{file}: line {line}: {what} must {law}")]
+    Contradiction {
+        /// File or preset.
+        file: String,
+        /// Where the table or key stands.
+        line: usize,
+        /// The key.
+        what: String,
+        /// What must be.
+        law: &'static str,
+    },
+    /// A quantity outside the domain of a formula.
+    #[error("{what} must {law}, got {got}")]
+    Optics {
+        /// The quantity.
         what: String,
         /// What it must be.
         law: &'static str,

@@ -12,17 +12,26 @@
 //! # Ok::<(), himmel_air::AirError>(())
 //! ```
 
+// Sums over wavelengths index several arrays of N at once; iterators over one of them hide that.
+#![allow(clippy::needless_range_loop)]
+
 pub mod atmosphere;
 pub mod colour;
 pub mod columns;
 pub mod geometry;
 pub mod irradiance;
+pub mod light;
+pub mod lognormal;
 pub mod medium;
+pub mod mie;
 pub mod params;
 pub mod phase;
 pub mod preset;
 pub mod profile;
 pub mod rayleigh;
+pub mod refraction;
+pub mod shadow;
+pub mod sharp;
 pub mod single;
 pub mod sun;
 

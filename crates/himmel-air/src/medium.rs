@@ -16,6 +16,8 @@ pub struct Component {
     pub scattering_per_m: Spectrum,
     /// Absorption coefficient where the profile is 1, m⁻¹.
     pub absorption_per_m: Spectrum,
+    /// n − 1 where the profile is 1: how it bends light; 0 where nobody said.
+    pub refractivity: Spectrum,
     /// Where its scattered light goes; `None` for pure absorbers.
     pub phase: Option<Phase>,
     /// Factor on its amount.

@@ -1,17 +1,18 @@
-//! Atmospheres as files for people: TOML, in km and nm, with sources. See `docs/presets.md` for the format.
+//! Atmospheres as files for people: TOML, in km and nm, with sources. See `docs/air.md` for the format.
+
+mod check;
+mod file;
 
 use std::sync::OnceLock;
 
-use himmel_core::constants::DOBSON_UNIT_PER_M2;
 use himmel_core::params::nearest;
-use himmel_core::spectrum::{Spectrum, read_columns};
-use serde::Deserialize;
+use himmel_core::spectrum::Spectrum;
 
 use crate::error::AirError;
-use crate::medium::{Component, Medium};
-use crate::phase::Phase;
-use crate::profile::Profile;
-use crate::rayleigh::{AIR_GAMMA, air_cross_section_m2};
+use crate::light::Star;
+use crate::medium::Medium;
+use check::Check;
+use file::File;
 
 macro_rules! embedded {
     ($($name:literal),+ $(,)?) => {
@@ -20,7 +21,28 @@ macro_rules! embedded {
 }
 
 /// Every preset that is compiled in: name and text.
-const EMBEDDED: &[(&str, &str)] = embedded!["earth", "bruneton2017", "earth-haze", "mars-reference", "titan-reference"];
+const EMBEDDED: &[(&str, &str)] = embedded![
+    "earth",
+    "bruneton2017",
+    "earth-haze",
+    "mars-reference",
+    "titan-reference",
+    "earth-clean",
+    "earth-urban",
+    "earth-maritime",
+    "earth-volcanic",
+    "earth-klupiec",
+    "earth-mueller-clean",
+    "earth-mueller-polluted",
+    "mars",
+    "mars-dusty",
+    "mars-collienne",
+    "titan",
+    "venus",
+    "moonlet",
+    "giant",
+    "m-dwarf-ocean",
+];
 
 /// The names of the presets that are compiled in.
 pub fn names() -> impl Iterator<Item = &'static str> {
@@ -36,333 +58,22 @@ pub struct Preset {
     pub title: String,
     /// The planet and its air.
     pub medium: Medium,
-    /// Distance of the Sun in au; `None`: from the ephemeris (the Earth).
+    /// What lights it, at least one; the first is the one that colours are fitted to.
+    pub stars: Vec<Star>,
+    /// Distance of the first star in au; `None`: from the ephemeris (the Earth).
     pub sun_distance_au: Option<f64>,
     /// Whether the Earth's mean refraction lifts what is seen (off for other planets and for comparisons).
     pub refraction: bool,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct File {
-    version: u32,
-    title: String,
-    #[allow(dead_code)] // for people who read the file
-    source: String,
-    planet: PlanetTable,
-    ground: GroundTable,
-    light: Option<LightTable>,
-    component: Vec<ComponentTable>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct PlanetTable {
-    radius_km: f64,
-    top_altitude_km: Option<f64>,
-    #[serde(default)]
-    refraction: bool,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct GroundTable {
-    albedo: SpectrumTable,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct LightTable {
-    distance_au: f64,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ComponentTable {
-    name: String,
-    profile: ProfileTable,
-    phase: Option<PhaseTable>,
-    extinction_per_m: Option<SpectrumTable>,
-    vertical_optical_depth: Option<SpectrumTable>,
-    single_scattering_albedo: Option<SpectrumTable>,
-    cross_section: Option<CrossSection>,
-    number_density_per_m3: Option<f64>,
-    column_du: Option<f64>,
-}
-
-#[derive(Clone, Copy, Deserialize, PartialEq)]
-#[serde(rename_all = "snake_case")]
-enum CrossSection {
-    Air,
-    /// The table's averages over [λ, λ + 10 nm), each at the middle of its bin.
-    Ozone,
-    /// The same numbers at the printed λ, as published comparisons read them.
-    OzoneAsPrinted,
-}
-
-#[derive(Deserialize)]
-#[serde(
-    untagged,
-    deny_unknown_fields,
-    expecting = "expected a number, { wavelength_nm = […], value = […] } or { reference_nm = …, value = …, exponent = … }"
-)]
-enum SpectrumTable {
-    Constant(f64),
-    Whole(i64),
-    Table { wavelength_nm: Vec<f64>, value: Vec<f64> },
-    PowerLaw { reference_nm: f64, value: f64, exponent: f64 },
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum ProfileTable {
-    Exponential { scale_height_km: f64 },
-    Gaussian { centre_km: f64, width_km: f64 },
-    Tent { bottom_km: f64, peak_km: f64, top_km: f64 },
-    Table { altitude_km: Vec<f64>, value: Vec<f64> },
-    OzoneUs1976 {},
-}
-
-#[derive(Deserialize)]
-#[serde(rename_all = "snake_case", deny_unknown_fields)]
-enum PhaseTable {
-    Rayleigh {
-        #[serde(default)]
-        depolarisation: f64,
-    },
-    HenyeyGreenstein {
-        g: SpectrumTable,
-    },
-    CornetteShanks {
-        g: SpectrumTable,
-    },
-}
-
-/// Checks values and names file, key and value in its errors.
-struct Check<'a> {
-    file: &'a str,
-}
-
-impl Check<'_> {
-    fn error(&self, what: impl Into<String>, law: &'static str, got: f64) -> AirError {
-        AirError::Value { file: self.file.into(), what: what.into(), law, got }
-    }
-
-    fn positive(&self, what: &str, value: f64) -> Result<f64, AirError> {
-        if value.is_finite() && value > 0.0 {
-            Ok(value)
-        } else {
-            Err(self.error(what, "be positive and finite", value))
-        }
-    }
-
-    fn within(&self, what: &str, value: f64, low: f64, high: f64, law: &'static str) -> Result<f64, AirError> {
-        if (low..=high).contains(&value) { Ok(value) } else { Err(self.error(what, law, value)) }
-    }
-
-    fn ascending(&self, what: &str, nodes: &[f64], values: usize) -> Result<(), AirError> {
-        if nodes.is_empty() || nodes.len() != values {
-            return Err(self.error(what, "have as many values as nodes, and at least one", values as f64));
-        }
-        match nodes.windows(2).find(|pair| pair[0].is_nan() || pair[1].is_nan() || pair[1] <= pair[0]) {
-            Some(pair) => Err(self.error(what, "ascend", pair[1])),
-            None => Ok(()),
-        }
-    }
-
-    fn spectrum(
-        &self,
-        what: &str,
-        table: SpectrumTable,
-        low: f64,
-        high: f64,
-        law: &'static str,
-    ) -> Result<Spectrum, AirError> {
-        let spectrum = match table {
-            SpectrumTable::Constant(value) => Spectrum::Constant(value),
-            SpectrumTable::Whole(value) => Spectrum::Constant(value as f64),
-            SpectrumTable::Table { wavelength_nm, value } => {
-                self.ascending(what, &wavelength_nm, value.len())?;
-                Spectrum::Table { wavelength_nm, value }
-            }
-            SpectrumTable::PowerLaw { reference_nm, value, exponent } => {
-                self.positive(&format!("{what}.reference_nm"), reference_nm)?;
-                self.within(&format!("{what}.exponent"), exponent, -10.0, 10.0, "lie in -10..=10")?;
-                Spectrum::PowerLaw { reference_nm, value, exponent }
-            }
-        };
-        for &value in spectrum.values() {
-            self.within(what, value, low, high, law)?;
-        }
-        // A power law has its extremes at the ends of what is rendered.
-        for wavelength_nm in [360.0, 830.0] {
-            self.within(what, spectrum.at(wavelength_nm), low, high, law)?;
-        }
-        Ok(spectrum)
-    }
-
-    fn profile(&self, what: &str, table: ProfileTable) -> Result<Profile, AirError> {
-        let km = |name: &str, value: f64| {
-            self.within(&format!("{what}.{name}"), value, 0.0, 1e5, "lie in 0..=1e5 km").map(|v| v * 1e3)
-        };
-        Ok(match table {
-            ProfileTable::Exponential { scale_height_km } => {
-                self.positive(&format!("{what}.scale_height_km"), scale_height_km)?;
-                Profile::Exponential { scale_height_m: scale_height_km * 1e3 }
-            }
-            ProfileTable::Gaussian { centre_km, width_km } => {
-                self.positive(&format!("{what}.width_km"), width_km)?;
-                Profile::Gaussian { centre_m: km("centre_km", centre_km)?, width_m: width_km * 1e3 }
-            }
-            ProfileTable::Tent { bottom_km, peak_km, top_km } => {
-                let (bottom_m, peak_m, top_m) =
-                    (km("bottom_km", bottom_km)?, km("peak_km", peak_km)?, km("top_km", top_km)?);
-                self.ascending(what, &[bottom_m, peak_m, top_m], 3)?;
-                Profile::Tent { bottom_m, peak_m, top_m }
-            }
-            ProfileTable::Table { altitude_km, value } => {
-                self.ascending(what, &altitude_km, value.len())?;
-                for &value in &value {
-                    self.within(what, value, 0.0, 1e30, "be zero or positive")?;
-                }
-                Profile::Table { altitude_m: altitude_km.iter().map(|&z| z * 1e3).collect(), value }
-            }
-            ProfileTable::OzoneUs1976 {} => {
-                let (altitude_m, value) =
-                    read_columns(include_str!("../../../assets/air/ozone_profile_us1976.csv"), 0, 1);
-                let peak = value.iter().copied().fold(0.0, f64::max);
-                Profile::Table { altitude_m, value: value.iter().map(|v| v / peak).collect() }
-            }
-        })
-    }
-
-    fn phase(&self, what: &str, table: PhaseTable) -> Result<Phase, AirError> {
-        let g = |table| self.spectrum(&format!("{what}.g"), table, -0.999, 0.999, "lie in -0.999..=0.999");
-        Ok(match table {
-            PhaseTable::Rayleigh { depolarisation } => {
-                let delta =
-                    self.within(&format!("{what}.depolarisation"), depolarisation, 0.0, 0.5, "lie in 0..=0.5")?;
-                Phase::Rayleigh { gamma: delta / (2.0 - delta) }
-            }
-            PhaseTable::HenyeyGreenstein { g: table } => Phase::HenyeyGreenstein { g: g(table)? },
-            PhaseTable::CornetteShanks { g: table } => Phase::CornetteShanks { g: g(table)? },
-        })
-    }
-
-    fn component(&self, index: usize, table: ComponentTable) -> Result<Component, AirError> {
-        let what = |key: &str| format!("component {} (\"{}\").{key}", index + 1, table.name);
-        let profile = self.profile(&what("profile"), table.profile)?;
-        let column_m = profile.column_m(0.0, 1e7);
-        if !(column_m.is_finite() && column_m > 0.0) {
-            return Err(self.error(what("profile"), "hold something between the ground and 10,000 km", column_m));
-        }
-        let amounts = [table.number_density_per_m3, table.column_du];
-        if let (None, Some(extra)) = (table.cross_section, amounts.into_iter().flatten().next()) {
-            let law = "stand without number_density_per_m3 and column_du, which belong to cross_section";
-            return Err(self.error(what("extinction_per_m"), law, extra));
-        }
-        let non_negative = |key: &str, spectrum| self.spectrum(&what(key), spectrum, 0.0, 1e6, "be zero or positive");
-        let scaled = |spectrum: Spectrum, factor: f64| match spectrum {
-            Spectrum::Constant(value) => Spectrum::Constant(value * factor),
-            Spectrum::Table { wavelength_nm, value } => {
-                Spectrum::Table { wavelength_nm, value: value.iter().map(|v| v * factor).collect() }
-            }
-            Spectrum::PowerLaw { reference_nm, value, exponent } => {
-                Spectrum::PowerLaw { reference_nm, value: value * factor, exponent }
-            }
-        };
-        let (extinction, default_phase) =
-            match (table.extinction_per_m, table.vertical_optical_depth, table.cross_section) {
-                (Some(per_m), None, None) => (non_negative("extinction_per_m", per_m)?, None),
-                (None, Some(depth), None) => {
-                    (scaled(non_negative("vertical_optical_depth", depth)?, 1.0 / column_m), None)
-                }
-                (None, None, Some(kind)) => {
-                    let per_m3 = match (table.number_density_per_m3, table.column_du) {
-                        (Some(density), None) => self.positive(&what("number_density_per_m3"), density)?,
-                        (None, Some(du)) => {
-                            self.within(&what("column_du"), du, 0.0, 1e6, "lie in 0..=1e6 DU")? * DOBSON_UNIT_PER_M2
-                                / column_m
-                        }
-                        _ => {
-                            return Err(self.error(
-                                what("cross_section"),
-                                "come with either number_density_per_m3 or column_du",
-                                0.0,
-                            ));
-                        }
-                    };
-                    let spectrum = match kind {
-                        CrossSection::Air => {
-                            let wavelength_nm: Vec<f64> = (25..=90).map(|i| f64::from(i) * 10.0).collect();
-                            let value = wavelength_nm.iter().map(|&nm| air_cross_section_m2(nm)).collect();
-                            Spectrum::Table { wavelength_nm, value }
-                        }
-                        CrossSection::Ozone | CrossSection::OzoneAsPrinted => {
-                            let csv = include_str!("../../../assets/air/ozone_cross_section.csv");
-                            let (wavelength_nm, value) = read_columns(csv, 0, 1);
-                            let shift = if kind == CrossSection::Ozone { 5.0 } else { 0.0 };
-                            Spectrum::Table {
-                                wavelength_nm: wavelength_nm.iter().map(|nm| nm + shift).collect(),
-                                value,
-                            }
-                        }
-                    };
-                    let phase = (kind == CrossSection::Air).then_some(Phase::Rayleigh { gamma: AIR_GAMMA });
-                    (scaled(spectrum, per_m3), phase)
-                }
-                _ => {
-                    return Err(self.error(
-                        what("extinction_per_m"),
-                        "be the only amount: give one of extinction_per_m, vertical_optical_depth, cross_section",
-                        0.0,
-                    ));
-                }
-            };
-        let phase = match table.phase {
-            Some(phase) => Some(self.phase(&what("phase"), phase)?),
-            None => default_phase,
-        };
-        let albedo = match table.single_scattering_albedo {
-            Some(albedo) => self.spectrum(&what("single_scattering_albedo"), albedo, 0.0, 1.0, "lie in 0..=1")?,
-            None => Spectrum::Constant(if phase.is_some() { 1.0 } else { 0.0 }),
-        };
-        if phase.is_none() && albedo.values().iter().any(|&a| a > 0.0) {
-            return Err(self.error(what("phase"), "be given where something scatters", 0.0));
-        }
-        let (scattering_per_m, absorption_per_m) = split(&extinction, &albedo);
-        Ok(Component { name: table.name, profile, scattering_per_m, absorption_per_m, phase, amount: 1.0 })
-    }
-}
-
-/// Scattering and absorption from extinction and albedo, on the wavelengths of both.
-fn split(extinction: &Spectrum, albedo: &Spectrum) -> (Spectrum, Spectrum) {
-    if let Spectrum::Constant(a) = albedo {
-        if *a == 1.0 {
-            return (extinction.clone(), Spectrum::Constant(0.0));
-        }
-        if *a == 0.0 {
-            return (Spectrum::Constant(0.0), extinction.clone());
-        }
-    }
-    // Elsewhere on a 5 nm grid: the product of two tables is not piecewise linear.
-    let wavelength_nm: Vec<f64> = (0..=140).map(|i| 250.0 + 5.0 * f64::from(i)).collect();
-    let product =
-        |f: &dyn Fn(f64) -> f64| wavelength_nm.iter().map(|&nm| extinction.at(nm) * f(albedo.at(nm))).collect();
-    let (scattering, absorption) = (product(&|a| a), product(&|a| 1.0 - a));
-    (
-        Spectrum::Table { wavelength_nm: wavelength_nm.clone(), value: scattering },
-        Spectrum::Table { wavelength_nm: wavelength_nm.clone(), value: absorption },
-    )
-}
-
 impl Preset {
     /// One of the presets that are compiled in; see [`names`].
     pub fn named(name: &str) -> Result<Self, AirError> {
-        static PARSED: OnceLock<Vec<Result<Preset, AirError>>> = OnceLock::new();
-        let parsed = PARSED.get_or_init(|| EMBEDDED.iter().map(|(name, text)| Self::from_toml(text, name)).collect());
+        // Each is read when it is first asked for: some compute their spheres.
+        static PARSED: [OnceLock<Result<Preset, AirError>>; EMBEDDED.len()] =
+            [const { OnceLock::new() }; EMBEDDED.len()];
         match EMBEDDED.iter().position(|(known, _)| *known == name) {
-            Some(index) => parsed[index].clone(),
+            Some(index) => PARSED[index].get_or_init(|| Self::from_toml(EMBEDDED[index].1, name)).clone(),
             None => Err(AirError::UnknownPreset {
                 name: himmel_core::params::shorten(name),
                 suggestion: nearest(name, names()),
@@ -372,44 +83,76 @@ impl Preset {
 
     /// Reads a preset's TOML. `name` stands in error messages: the file's path, or its name.
     pub fn from_toml(text: &str, name: &str) -> Result<Self, AirError> {
-        let check = Check { file: name };
         let file: File = toml::from_str(text).map_err(|error| {
             let line = error.span().map(|span| text[..span.start.min(text.len())].lines().count().max(1));
             let place = line.map_or_else(String::new, |line| format!("line {line}: "));
             let message = error.message().lines().collect::<Vec<_>>().join(" ");
             AirError::Syntax { file: name.into(), message: format!("{place}{message}") }
         })?;
+        let mut check = Check { file: name, text, gravity_m_s2: None };
+        if let Some(gravity) = file.planet.gravity_m_s2 {
+            check.gravity_m_s2 =
+                Some(check.within("planet.gravity_m_s2", gravity, 1e-4, 1e4, "lie in 0.0001..=1e4 m/s²")?);
+        }
         if file.version != 1 {
             return Err(check.error("version", "be 1, the only version so far", f64::from(file.version)));
         }
         let radius_km = check.within("planet.radius_km", file.planet.radius_km, 1.0, 1e6, "lie in 1..=1e6 km")?;
+        if file.component.is_empty() || file.component.len() > 16 {
+            return Err(check.error("component", "have 1..=16 entries", file.component.len() as f64));
+        }
         let components = file
             .component
             .into_iter()
             .enumerate()
             .map(|(index, table)| check.component(index, table))
             .collect::<Result<Vec<_>, _>>()?;
-        if components.len() > 16 {
-            return Err(check.error("component", "have at most 16 entries", components.len() as f64));
-        }
         let top_altitude_m = match file.planet.top_altitude_km {
-            Some(km) => check.within("planet.top_altitude_km", km, 0.1, 1e5, "lie in 0.1..=1e5 km")? * 1e3,
+            Some(km) => {
+                check.within("planet.top_altitude_km", km, 0.1, 1e5, "lie above the ground: 0.1..=1e5 km")? * 1e3
+            }
             None => Medium::natural_top_m(&components),
         };
         let ground_albedo = check.spectrum("ground.albedo", file.ground.albedo, 0.0, 1.0, "lie in 0..=1")?;
-        let sun_distance_au = match file.light {
+        let stars_given = !file.star.is_empty();
+        check.within("star", file.star.len() as f64, 0.0, 8.0, "have at most 8 entries")?;
+        let mut stars =
+            file.star.into_iter().enumerate().map(|(i, star)| check.star(i, star)).collect::<Result<Vec<_>, _>>()?;
+        let light_distance_au = match file.light {
+            Some(light) if stars_given => {
+                let law = "be left out where [[star]] gives distances";
+                return Err(check.error("light.distance_au", law, light.distance_au));
+            }
             Some(light) => {
                 Some(check.within("light.distance_au", light.distance_au, 1e-3, 1e4, "lie in 0.001..=1e4 au")?)
             }
             None => None,
         };
+        if stars.is_empty() {
+            stars.push(Star { distance_au: light_distance_au, ..Star::sun() });
+        }
+        let sun_distance_au = stars[0].distance_au;
         Ok(Self {
             name: name.into(),
             title: file.title,
             medium: Medium { bottom_radius_m: radius_km * 1e3, top_altitude_m, components, ground_albedo },
+            stars,
             sun_distance_au,
             refraction: file.planet.refraction,
         })
+    }
+}
+
+impl Preset {
+    /// Spectral irradiance of the first star at one astronomical unit, W m⁻² nm⁻¹: what the colour matrix is fitted to.
+    pub fn light_at_1_au_w_m2_nm(&self) -> Spectrum {
+        match self.stars.first() {
+            // The Sun itself keeps its own table, to the last bit.
+            Some(Star { surface: crate::light::Surface::Sun, radius_suns: 1.0, .. }) | None => {
+                crate::sun::irradiance_w_m2_nm().clone()
+            }
+            Some(star) => star.irradiance_at_1_au_w_m2_nm(),
+        }
     }
 }
 
@@ -424,6 +167,22 @@ mod tests {
             assert!(preset.medium.top_altitude_m > 1e4, "{name}");
             assert!(!preset.medium.components.is_empty());
         }
+    }
+
+    /// A measured phase function, by angle and wavelength: scaled to integrate to 1; errors as everywhere.
+    #[test]
+    fn a_phase_function_may_be_a_table() {
+        let good = EMBEDDED[1].1;
+        let read = |table: &str| Preset::from_toml(&good.replacen("cornette_shanks = { g = 0.8 }", table, 1), "t");
+        let table = "table = { wavelength_nm = [400, 700], angle_deg = [0, 90, 180], value = [[2, 2, 2], [3, 1, 3]] }";
+        let phase = read(table).unwrap().medium.components[1].phase.clone().unwrap();
+        assert!((phase.at(0.3, 400.0) - 0.25 / std::f64::consts::PI).abs() < 1e-6);
+        assert!(
+            phase.at(1.0, 700.0) > phase.at(0.0, 700.0) && (phase.legendre_moments(1, 550.0)[0] - 1.0).abs() < 1e-9
+        );
+        assert!(read(&table.replace("180", "170")).unwrap_err().to_string().contains("run from 0 to 180"));
+        assert!(read(&table.replace("[3, 1, 3]", "[3, -1, 3]")).unwrap_err().to_string().contains("-1"));
+        assert!(read(&table.replace("[3, 1, 3]", "[3, 1]")).is_err());
     }
 
     #[test]
@@ -441,18 +200,51 @@ mod tests {
                 "single_scattering_albedo = 1.2",
                 vec!["single_scattering_albedo", "1.2"],
             ),
-            ("column_du = 300", "colum_du = 300", vec!["colum_du"]),
+            ("number_density_per_m3", "number_densty_per_m3", vec!["number_densty_per_m3"]),
             (
                 "single_scattering_albedo = 0.9",
                 "single_scattering_albedo = { reference_nm = 550, value = 0.9, exponent = -3 }",
                 vec!["single_scattering_albedo", "0..=1"],
             ),
-            ("extinction_per_m = 4.44e-6", "extinction_per_m = 4.44e-6\ncolumn_du = 3", vec!["aerosol", "column_du"]),
+            ("extinction_per_m = 4.44e-6", "extinction_per_m = 4.44e-6\ncolumn_du = 3", vec!["aerosol"]),
             (
                 "exponential = { scale_height_km = 1.2 }",
                 "table = { altitude_km = [0, 1], value = [0, 0] }",
-                vec!["profile", "hold"],
+                vec!["profile"],
             ),
+            // Line, value and bound; contradictions; gaps; nothing at all.
+            (
+                "number_density_per_m3 = 5",
+                "number_density_per_m3 = -5",
+                vec!["line 29:", "number_density_per_m3", "-5", "positive"],
+            ),
+            ("scale_height_km = 1.2", "scale_height_km = -1.2", vec!["line 23:", "component 2", "-1.2"]),
+            ("top_altitude_km = 60", "top_altitude_km = -3", vec!["line 8:", "above the ground", "-3"]),
+            ("number_density_per_m3", "column_du = 300\nnumber_density_per_m3", vec!["exactly one amount"]),
+            (
+                "extinction_per_m = 4.44e-6",
+                "extinction_per_m = 4.44e-6\nvertical_optical_depth = 0.1",
+                vec!["be said once"],
+            ),
+            ("extinction_per_m = 4.44e-6", "pressure_hpa = 3\nextinction_per_m = 4.44e-6", vec!["not be given twice"]),
+            ("extinction_per_m = 4.44e-6", "", vec!["be said once"]),
+            (
+                "albedo = 0.1",
+                "albedo = { wavelength_nm = [440, 680], value = [0.1, 0.2] }",
+                vec!["line 11:", "cover 380 to 780", "440"],
+            ),
+            ("exponential = { scale_height_km = 1.2 }", "exponential = {}", vec!["scale_height_km", "temperature_k"]),
+            (
+                "exponential = { scale_height_km = 1.2 }",
+                "table = { altitude_km = [0, 1], value = [0, 0] }",
+                vec!["hold something"],
+            ),
+            (
+                "exponential = { scale_height_km = 1.2 }",
+                "table = { altitude_km = [1, 0], value = [1, 0] }",
+                vec!["ascend"],
+            ),
+            ("g = 0.8", "g = 0.8, haze = 0.7", vec!["either g or haze"]),
         ] {
             assert!(good.contains(from), "{from}");
             let error = Preset::from_toml(&good.replacen(from, to, 1), "test.toml").unwrap_err().to_string();

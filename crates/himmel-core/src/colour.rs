@@ -62,7 +62,7 @@ impl Observer {
 }
 
 /// XYZ of a chromaticity at Y = 1.
-fn xyz_of_chromaticity((x, y): (f64, f64)) -> DVec3 {
+pub fn xyz_of_chromaticity((x, y): (f64, f64)) -> DVec3 {
     DVec3::new(x / y, 1.0, (1.0 - x - y) / y)
 }
 
@@ -76,6 +76,18 @@ pub fn xyz_from_rec709() -> DMat3 {
 /// Linear-sRGB-from-XYZ, the inverse of [`xyz_from_rec709`].
 pub fn rec709_from_xyz() -> DMat3 {
     xyz_from_rec709().inverse()
+}
+
+/// XYZ seen under one white as it would look under another: von Kries' law in Bradford's cone space [lam1985].
+///
+/// M⁻¹ · diag(M·to / M·from) · M. Laws tested: white becomes white; the same white changes nothing.
+pub fn bradford(from_white: DVec3, to_white: DVec3) -> DMat3 {
+    let cones = DMat3::from_cols(
+        DVec3::new(0.8951, -0.7502, 0.0389),
+        DVec3::new(0.2664, 1.7135, -0.0685),
+        DVec3::new(-0.1614, 0.0367, 1.0296),
+    );
+    cones.inverse() * DMat3::from_diagonal((cones * to_white) / (cones * from_white)) * cones
 }
 
 /// CIE 1976 L*a*b* of XYZ relative to a white point [cie15].
@@ -143,6 +155,15 @@ mod tests {
                 assert!((ours.col(column)[row] - value).abs() < 6e-5, "{row} {column}");
             }
         }
+    }
+
+    /// From illuminant A (1.09850, 1, 0.35585) to D65: the matrix printed by Lindbloom has 0.8446965 in its corner.
+    #[test]
+    fn bradford_maps_white_to_white() {
+        let (a, d65) = (DVec3::new(1.09850, 1.0, 0.35585), xyz_of_chromaticity(D65_XY));
+        assert!((bradford(a, d65) * a - d65).length() < 1e-12);
+        assert!((bradford(a, a) * d65 - d65).length() < 1e-12);
+        assert!((bradford(a, d65).col(0).x - 0.8446965).abs() < 2e-4, "{}", bradford(a, d65));
     }
 
     #[test]

@@ -179,7 +179,8 @@ impl SkyModel {
         };
         let distance_au =
             settings.distance_au.or(self.preset.sun_distance_au).unwrap_or(seen.distance_m / ASTRONOMICAL_UNIT_M);
-        let sine = SUN_RADIUS_M / (distance_au * ASTRONOMICAL_UNIT_M);
+        let radius_suns = self.preset.stars.first().map_or(1.0, |star| star.radius_suns);
+        let sine = radius_suns * SUN_RADIUS_M / (distance_au * ASTRONOMICAL_UNIT_M);
         Ok(SunPlace {
             azimuth_deg,
             altitude_deg: airless_altitude_deg + bend.to_degrees(),

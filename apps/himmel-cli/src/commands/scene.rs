@@ -12,7 +12,7 @@ pub struct SceneArgs {
     /// Scene file (TOML); options override it. See docs/scene.md.
     #[arg(long, value_name = "FILE.toml")]
     pub scene: Option<PathBuf>,
-    /// Atmosphere: earth, bruneton2017, earth-haze, mars-reference, titan-reference, or a .toml file.
+    /// Atmosphere: earth, mars, titan, venus … (`himmel info` lists them), or a .toml file.
     #[arg(long, value_name = "NAME")]
     pub preset: Option<String>,
     /// City or site, or lat,lon[,height_m].
