@@ -143,6 +143,9 @@ fn targets_that_cannot_hold_a_sky_are_refused() {
         Target::new(F::R8Unorm, Output::Display),
         Target::new(F::Rgba8Unorm, Output::Radiance),
         Target { samples: 3, ..good },
+        Target { samples: 16, ..good },
+        Target { samples: 4, ..Target::new(F::Rgba32Float, Output::Radiance) },
+        Target { depth: Some((F::Depth32FloatStencil8, DepthDirection::Standard)), ..good },
         Target { depth: Some((F::Rgba8Unorm, DepthDirection::Standard)), ..good },
     ] {
         let error = Sky::with_scene(&gpu.device, &gpu.queue, &bad, &scene).err();
@@ -179,5 +182,77 @@ fn random_scenes_have_finite_pixels() {
             // A NaN may come out of the final clamp as the largest float: nothing real is near it. The smallest disc has 4e16.
             assert!(rgb.iter().all(|value| value.is_finite() && value.abs() < 1e20), "{preset} {frame:?} {view:?}");
         }
+    }
+}
+
+/// A host may record several frames before it submits the first.
+#[test]
+fn frames_may_be_recorded_ahead() {
+    let gpu = gpu();
+    let scene = model("earth", &[]).scene().clone();
+    let target = Target::new(F::Rgba8Unorm, Output::Display);
+    let mut sky = Sky::with_scene(&gpu.device, &gpu.queue, &target, &scene).unwrap();
+    for _ in 0..3 {
+        let mut recorded = Vec::new();
+        for _ in 0..3 {
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            sky.prepare(&mut encoder, &[north()]).unwrap();
+            recorded.push(encoder.finish());
+        }
+        gpu.queue.submit(recorded);
+        gpu.wait().unwrap();
+    }
+}
+
+/// Hosts keep the sky in resources that several threads see.
+#[test]
+fn the_sky_is_send_and_sync() {
+    fn check<T: Send + Sync>() {}
+    check::<Sky>();
+    check::<himmel::SkyModel>();
+}
+
+/// What the pixels of the disc add up to is the Sun's illuminance, whatever the projection and the size of a pixel.
+#[test]
+fn the_disc_keeps_its_flux() {
+    let base = [
+        ("air.enabled", "off"),
+        ("ground.enabled", "off"),
+        ("output.exposure", "none"),
+        ("light.sun.altitude_deg", "47"),
+    ];
+    let cases: [(&str, &[(&str, &str)], f64); 5] = [
+        ("narrow", &[("camera.look", "sun"), ("camera.fov_deg", "2")], 0.01),
+        ("normal", &[("camera.look", "sun"), ("camera.fov_deg", "40")], 0.03),
+        ("wide", &[("camera.look", "S,30"), ("camera.fov_deg", "100"), ("light.sun.azimuth_deg", "200")], 0.08),
+        ("fisheye", &[("camera.look", "zenith"), ("camera.projection", "fisheye"), ("camera.fov_deg", "180")], 0.08),
+        (
+            "equirect",
+            &[("camera.projection", "equirect"), ("output.width_px", "512"), ("output.height_px", "256")],
+            0.08,
+        ),
+    ];
+    for (name, settings, tolerance) in cases {
+        let size = [("output.width_px", "240"), ("output.height_px", "240")];
+        let model = model("earth", &[&base[..], &size, settings].concat());
+        let (frame, view, size) = (model.frame().unwrap(), model.view().unwrap(), model.scene().output.clone());
+        let (width, height) = (size.width_px, size.height_px);
+        let mut still = Still::new(gpu(), Output::Radiance, model.atmosphere()).unwrap();
+        let picture = still.render(&frame, &view, width, height, &mut |_| true).unwrap();
+        let Pixels::Radiance(rgb) = &picture.pixels else { panic!("radiance was asked for") };
+        let ndc = |x: f64, y: f64| [2.0 * x / f64::from(width) - 1.0, 1.0 - 2.0 * y / f64::from(height)];
+        let mut lux = 0.0;
+        for (i, pixel) in rgb.chunks(3).enumerate() {
+            let luminance = f64::from(0.2126 * pixel[0] + 0.7152 * pixel[1] + 0.0722 * pixel[2]);
+            let (x, y) = (f64::from(i as u32 % width), f64::from(i as u32 / width));
+            let corners =
+                [(0.0, 0.5), (1.0, 0.5), (0.5, 0.0), (0.5, 1.0)].map(|(dx, dy)| view.direction(ndc(x + dx, y + dy)));
+            if let ([Some(left), Some(right), Some(top), Some(bottom)], true) = (corners, luminance > 0.0) {
+                lux += luminance * (right - left).cross(bottom - top).length();
+            }
+        }
+        let expected = model.light().unwrap().sun.illuminance_lx;
+        println!("{name}: {:.3}", lux / expected);
+        assert!((lux / expected - 1.0).abs() < tolerance, "{name}: {lux} of {expected} lx");
     }
 }

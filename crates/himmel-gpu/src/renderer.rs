@@ -1,6 +1,6 @@
 //! The renderer: made once for a target, prepared each frame, drawn for each view.
 
-use std::cell::OnceCell;
+use std::sync::OnceLock;
 
 use glam::DVec3;
 use himmel_air::{Atmosphere, sun};
@@ -50,6 +50,9 @@ pub struct FrameState {
 /// Coefficients of a disc that is equally bright everywhere.
 const EVEN_DISC: [[f32; 4]; 6] = [[1.0; 4], [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]];
 
+/// Staging buffers that frames use in turn: three frames may be recorded before the first is submitted.
+const BELTS: usize = 4;
+
 /// Views that buffers hold at first; more make them grow once.
 const FIRST_CAPACITY: usize = 8;
 /// Most views of a frame: keeps the buffer below WebGPU's guaranteed 64 KiB of dynamic offsets many times over.
@@ -63,7 +66,7 @@ pub struct SkyRenderer {
     pipeline_layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
     /// Made when automatic exposure is first asked for.
-    metering_pipeline: OnceCell<wgpu::RenderPipeline>,
+    metering_pipeline: OnceLock<wgpu::RenderPipeline>,
     meter: Meter,
     tables: Tables,
     frame_group: wgpu::BindGroup,
@@ -74,7 +77,8 @@ pub struct SkyRenderer {
     view_stride: u64,
     capacity: usize,
     prepared: usize,
-    belt: StagingBelt,
+    belts: [StagingBelt; BELTS],
+    turn: usize,
     /// The part of the frame's uniform that follows from the medium.
     air: FrameUniform,
 }
@@ -87,7 +91,7 @@ impl SkyRenderer {
         target: &Target,
         atmosphere: &Atmosphere,
     ) -> Result<Self, GpuError> {
-        target.check()?;
+        target.check(device)?;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("sky"),
             source: wgpu::ShaderSource::Wgsl(shader::module("sky.wgsl").into()),
@@ -138,7 +142,7 @@ impl SkyRenderer {
             pipeline,
             pipeline_layout,
             module,
-            metering_pipeline: OnceCell::new(),
+            metering_pipeline: OnceLock::new(),
             meter,
             tables,
             frame_group,
@@ -150,7 +154,8 @@ impl SkyRenderer {
             capacity: FIRST_CAPACITY,
             prepared: 0,
             // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
-            belt: StagingBelt::new(device.clone(), 16 * 1024),
+            belts: std::array::from_fn(|_| StagingBelt::new(device.clone(), 16 * 1024)),
+            turn: 0,
             air: FrameUniform::default(),
         };
         renderer.set_atmosphere(queue, atmosphere);
@@ -188,6 +193,7 @@ impl SkyRenderer {
     /// Records this frame's uploads, and the metering where exposure is automatic (by the first view). Call once a
     /// frame before [`draw`](Self::draw), with the encoder that is submitted before or with the pass that draws.
     ///
+    /// At most three frames may be recorded before the first of them is submitted.
     /// Allocates nothing once running, unless there are more views than ever before.
     pub fn prepare(
         &mut self,
@@ -229,7 +235,7 @@ impl SkyRenderer {
             (self.view_buffer, self.view_group) =
                 view_buffer(&self.device, &self.view_layout, self.view_stride, self.capacity);
         }
-        self.belt.recall();
+        self.turn = (self.turn + 1) % BELTS;
         let exposure = frame.output.exposure_for(self.target.output).factor();
         let compensation = frame.output.compensation_ev.exp2();
         let uniform = FrameUniform {
@@ -249,7 +255,9 @@ impl SkyRenderer {
             let offset = slot as u64 * self.view_stride;
             self.write(encoder, self.view_buffer.clone(), offset, bytemuck::bytes_of(uniform));
         }
-        self.belt.finish();
+        self.belts[self.turn].finish();
+        // The one that the next frame will write to: its last use was three frames ago. Asked for now, it is mapped by then.
+        self.belts[(self.turn + 1) % BELTS].recall();
         match exposure {
             None => self.record_metering(encoder, stamps),
             Some(factor) => self.meter.set(encoder, factor),
@@ -305,7 +313,7 @@ impl SkyRenderer {
 
     fn write(&mut self, encoder: &mut wgpu::CommandEncoder, buffer: wgpu::Buffer, offset: u64, bytes: &[u8]) {
         if let Some(size) = wgpu::BufferSize::new(bytes.len() as u64) {
-            self.belt.write_buffer(encoder, &buffer, offset, size).copy_from_slice(bytes);
+            self.belts[self.turn].write_buffer(encoder, &buffer, offset, size).copy_from_slice(bytes);
         }
     }
 

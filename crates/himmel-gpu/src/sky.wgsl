@@ -32,7 +32,7 @@ fn look_direction(ndc: vec2f) -> vec3f {
             // Fisheye: the angle from the axis grows evenly with the distance from the centre.
             let p = ndc * vec2f(view.aspect, 1.0);
             let angle = length(p) * view.half_angle;
-            if angle > PI {
+            if angle > min(view.half_angle, PI) {
                 return vec3f(0.0);
             }
             let direction = p / max(length(p), 1e-9);
@@ -51,20 +51,22 @@ fn look_direction(ndc: vec2f) -> vec3f {
 }
 
 // Radiance per unit irradiance of the Sun along a ray with zenith cosine mu.
-fn sky_radiance(ray: vec3f, pixel: f32, mu: f32, sin_theta: f32) -> vec4f {
+fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32) -> vec4f {
     let start = enter(view.altitude_m, mu, sin_theta, dot(view.sun, view.up), dot(ray, view.sun));
     let air = march_air(start, frame.steps);
     var behind = vec4f(0.0);
     if air.hits_ground {
         behind = ground_radiance(air.ground_mu_s);
     } else {
-        behind = sun_disc_radiance(ray, pixel);
+        behind = sun_disc_radiance(ray, dx, dy);
     }
     return air.radiance + air.transmittance * behind;
 }
 
 // Linear Rec. 709 in cd/m². The horizon is smoothed over a pixel: there the ground below and the sky above it are mixed.
-fn sky_luminance(ray: vec3f, pixel: f32) -> vec3f {
+// `dx`, `dy`: how the ray changes to the next pixel.
+fn sky_luminance(ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
+    let pixel = 0.5 * (length(dx) + length(dy));
     let mu = dot(ray, view.up);
     let horizon = horizon_cosine(frame.bottom_radius_m, view.altitude_m);
     // Height above the horizon in pixels; cosines near it differ as angles do, times the sine.
@@ -72,14 +74,14 @@ fn sky_luminance(ray: vec3f, pixel: f32) -> vec3f {
     let above = (mu - horizon) / (sine * max(pixel, 1e-9));
     var four = vec4f(0.0);
     if abs(above) >= 0.5 {
-        four = sky_radiance(ray, pixel, mu, length(cross(ray, view.up)));
+        four = sky_radiance(ray, dx, dy, mu, length(cross(ray, view.up)));
     } else {
         // 1e-6 tells the two sides apart in f32. From within the air by the cosine, from above by the sine, R / r, which
         // cancels nothing far away.
         let sine_of_limb = frame.bottom_radius_m / (frame.bottom_radius_m + view.altitude_m);
         for (var side = -1.0; side < 2.0; side += 2.0) {
             let sin_theta = min(sine_of_limb * (1.0 + side * 1e-6), 1.0);
-            four += (0.5 + side * above) * sky_radiance(ray, pixel, min(horizon + side * 1e-6, 0.0), sin_theta);
+            four += (0.5 + side * above) * sky_radiance(ray, dx, dy, min(horizon + side * 1e-6, 0.0), sin_theta);
         }
     }
     four *= frame.sun_irradiance;
@@ -93,14 +95,17 @@ fn sky_luminance(ray: vec3f, pixel: f32) -> vec3f {
 @fragment
 fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     let look = look_direction(in.ndc);
-    // Angle of a pixel; derivatives are taken before anything branches.
-    let pixel = 0.5 * (length(dpdx(look)) + length(dpdy(look)));
+    // Derivatives are taken before anything branches. Where the picture tears (the seam of an equirectangular one, the
+    // edge of a fisheye) they are the tear: no pixel spans more than 0.2.
+    var dx = dpdx(look);
+    var dy = dpdy(look);
+    dx *= min(1.0, 0.2 / max(length(dx), 1e-9));
+    dy *= min(1.0, 0.2 / max(length(dy), 1e-9));
     if dot(look, look) < 0.5 {
         // Nothing: the corners of a fisheye.
         return vec4f(0.0);
     }
-    // At the seam of an equirectangular picture the difference is the whole circle: no pixel is larger than 0.2.
-    var luminance = sky_luminance(look, min(pixel, 0.2));
+    var luminance = sky_luminance(look, dx, dy);
     if metering {
         return vec4f(luminance, 1.0);
     }

@@ -65,10 +65,10 @@ impl Target {
         }
     }
 
-    pub(crate) fn check(&self) -> Result<(), GpuError> {
+    pub(crate) fn check(&self, device: &wgpu::Device) -> Result<(), GpuError> {
         let Some(largest) = self.largest() else {
             return Err(GpuError::Target(format!(
-                "{:?} is no colour format that the sky draws to; use Rgba16Float, Rgba32Float, Rg11b10Ufloat, Rgb10a2Unorm or an 8-bit RGBA or BGRA one",
+                "{:?} is no colour format that the sky draws to; use Rgba16Float, Rgba32Float, Rgb10a2Unorm or an 8-bit RGBA or BGRA one",
                 self.colour
             )));
         };
@@ -78,11 +78,31 @@ impl Target {
         if !matches!(self.samples, 1 | 2 | 4 | 8 | 16) {
             return Err(GpuError::Target(format!("samples must be 1, 2, 4, 8 or 16, got {}", self.samples)));
         }
-        match self.depth {
-            Some((format, _)) if !format.has_depth_aspect() => {
-                Err(GpuError::Target(format!("{format:?} is no depth format")))
-            }
-            _ => Ok(()),
+        if let Some((format, _)) = self.depth
+            && !format.has_depth_aspect()
+        {
+            return Err(GpuError::Target(format!("{format:?} is no depth format")));
         }
+        // What this device can do; wgpu would panic.
+        let features = device.features();
+        for format in std::iter::once(self.colour).chain(self.depth.map(|(format, _)| format)) {
+            if !features.contains(format.required_features()) {
+                return Err(GpuError::Target(format!(
+                    "{format:?} needs {:?}, which the device was made without",
+                    format.required_features()
+                )));
+            }
+            let can = format.guaranteed_format_features(features);
+            if !can.allowed_usages.contains(wgpu::TextureUsages::RENDER_ATTACHMENT) {
+                return Err(GpuError::Target(format!("this device cannot draw to {format:?}")));
+            }
+            if !can.flags.sample_count_supported(self.samples) {
+                return Err(GpuError::Target(format!(
+                    "this device has no {} samples per pixel for {format:?}",
+                    self.samples
+                )));
+            }
+        }
+        Ok(())
     }
 }

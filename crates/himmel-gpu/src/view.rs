@@ -107,7 +107,7 @@ impl View {
                 let (x, y) = (ndc[0] * self.aspect, ndc[1]);
                 let radius = x.hypot(y);
                 let angle = radius * 0.5 * span;
-                if angle > std::f64::consts::PI {
+                if angle > (0.5 * span).min(std::f64::consts::PI) {
                     return None;
                 }
                 let scale = angle.sin() / radius.max(1e-9);

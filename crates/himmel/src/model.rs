@@ -137,7 +137,12 @@ impl SkyModel {
         // A place that was set by hand stays until another one is named.
         let place_changed = self.scene.observer.place != old.observer.place;
         let observer = if place_changed { Observer::at(&self.scene.observer.place)? } else { self.observer.clone() };
-        let time_changed = self.scene.clock.time != old.clock.time;
+        // A bare time is local: at another place it is another instant, unless the clock has moved on by itself.
+        let bare = parse_time(&self.scene.clock.time, &observer.time_zone)?
+            != parse_time(&self.scene.clock.time, &jiff::tz::TimeZone::UTC)?
+            && self.scene.clock.time.trim() != "now";
+        let follows_place = place_changed && bare && self.clock.is_at_start();
+        let time_changed = self.scene.clock.time != old.clock.time || follows_place;
         let now = if time_changed { Some(parse_time(&self.scene.clock.time, &observer.time_zone)?) } else { None };
         let preset_changed = (&self.scene.preset, &self.scene.folder) != (&old.preset, &old.folder);
         let preset = if preset_changed { Some(self.scene.load_preset()?) } else { None };
@@ -350,7 +355,7 @@ pub fn visible_fraction(height_deg: f64, radius_deg: f64) -> f64 {
 /// Azimuth and altitude in degrees of what a person wants to look at.
 fn look(text: &str, fov_deg: f64, sun: &SunPlace) -> Result<(f64, f64)> {
     let unknown = || Error::Look(himmel_core::params::shorten(text));
-    match text.trim() {
+    match text.trim().to_lowercase().as_str() {
         "sun" => return Ok((sun.azimuth_deg, sun.altitude_deg)),
         // The horizon at the lower third of the picture.
         "sunward" => return Ok((sun.azimuth_deg, (fov_deg / 6.0).min(60.0))),
@@ -409,6 +414,23 @@ mod tests {
         for text in ["", "180", "180,91", "nan,3", "1,2,3", "the moon", "1e30,0"] {
             assert!(look(text, 60.0, &SUN).unwrap_err().to_string().contains("sunward"), "{text}");
         }
+    }
+
+    #[test]
+    fn a_scene_that_is_set_is_the_scene_that_is_made() {
+        let mut scene = Scene::default();
+        scene.set("clock.time", "2012-09-06T12:00").unwrap();
+        let mut model = SkyModel::new(&scene).unwrap();
+        scene.set("observer.place", "Tokyo").unwrap();
+        model.set_scene(&scene).unwrap();
+        assert_eq!(model.utc(), SkyModel::new(&scene).unwrap().utc());
+        assert_eq!(model.sun().unwrap(), SkyModel::new(&scene).unwrap().sun().unwrap());
+        // A clock that runs keeps its instant wherever one goes.
+        model.clock_mut().advance(60.0);
+        let now = model.utc();
+        scene.set("observer.place", "Paranal").unwrap();
+        model.set_scene(&scene).unwrap();
+        assert_eq!(model.utc(), now);
     }
 
     #[test]

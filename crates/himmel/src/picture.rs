@@ -30,10 +30,18 @@ impl FileFormat {
             "jpg" | "jpeg" => Ok(Self::Jpeg),
             "exr" => Ok(Self::Exr),
             "hdr" => Ok(Self::Hdr),
-            _ => {
-                Err(Error::Write { path: path.into(), reason: "the name must end in .png, .jpg, .exr or .hdr".into() })
-            }
+            _ => Err(Error::FileFormat { path: path.into() }),
         }
+    }
+
+    /// Whether it can hold a picture of that size.
+    pub fn check_size(self, width: u32, height: u32) -> Result<()> {
+        if self == Self::Jpeg && width.max(height) > 65_535 {
+            return Err(Error::Camera(format!(
+                "JPEG holds at most 65535 pixels on a side, got {width}x{height}; use .png"
+            )));
+        }
+        Ok(())
     }
 
     /// What the renderer has to give.
@@ -47,14 +55,16 @@ impl FileFormat {
 
 /// Checks that a file can be created where it is wanted, before any work is done.
 pub fn check_writable(path: &Path) -> Result<()> {
-    FileFormat::of(path)?;
     let error = |reason: String| Error::Write { path: path.into(), reason };
     let folder = folder_of(path);
     if path.is_dir() {
         return Err(error("it is a folder; give the name of a file".into()));
     }
     match std::fs::metadata(folder) {
-        Ok(metadata) if metadata.is_dir() => Ok(()),
+        Ok(metadata) if metadata.is_dir() => match tempfile::tempfile_in(folder) {
+            Ok(_) => Ok(()),
+            Err(source) => Err(error(format!("the folder {} takes no files: {source}", folder.display()))),
+        },
         Ok(_) => Err(error(format!("{} is not a folder", folder.display()))),
         Err(source) if source.kind() == std::io::ErrorKind::NotFound => {
             Err(error(format!("the folder {} does not exist", folder.display())))
@@ -105,12 +115,13 @@ pub fn pass_medians(gpu: &Gpu, model: &SkyModel, output: Output, frames: usize) 
 /// Writes a picture under a temporary name in the same folder and renames it: a file is there whole or not at all.
 pub fn save(picture: &Picture, path: &Path) -> Result<()> {
     let format = FileFormat::of(path)?;
+    format.check_size(picture.width, picture.height)?;
     write_whole(path, |writer| encode(picture, format, writer))
 }
 
-/// Writes a text in the same way.
-pub fn save_text(text: &str, path: &Path) -> Result<()> {
-    write_whole(path, |writer| writer.write_all(text.as_bytes()).map_err(|e| e.to_string()))
+/// Writes bytes in the same way.
+pub fn save_bytes(bytes: &[u8], path: &Path) -> Result<()> {
+    write_whole(path, |writer| writer.write_all(bytes).map_err(|e| e.to_string()))
 }
 
 fn write_whole(
@@ -126,7 +137,7 @@ fn write_whole(
         // As a program that opens the file itself would: the umask takes its share.
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let file = builder.tempfile_in(folder_of(path)).map_err(|e| error(e.to_string()))?;
+    let file = builder.tempfile_in(folder_of(path)).map_err(|e| error(e.kind().to_string()))?;
     let mut writer = BufWriter::new(file);
     write(&mut writer).map_err(&error)?;
     writer.flush().map_err(|e| error(e.to_string()))?;

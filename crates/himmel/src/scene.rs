@@ -14,6 +14,10 @@ use crate::error::{Error, Result};
 /// The version that this library writes. Older ones are read; so far there is none.
 pub const VERSION: i64 = 1;
 
+/// First and last line of a scene that this library wrote: half of one is no scene, though it may be valid TOML.
+const SAVED_MARK: &str = "# Saved by Himmel. The file is whole if it ends with the line: # end";
+const END_MARK: &str = "# end";
+
 params! {
     /// Where you stand.
     pub struct ObserverParams: "observer" {
@@ -174,6 +178,12 @@ impl Scene {
             let offset = e.span().map_or(0, |span| span.start);
             error(offset, e.message().lines().collect::<Vec<_>>().join(" "))
         })?;
+        if text.starts_with(SAVED_MARK) && text.trim_end().lines().last() != Some(END_MARK) {
+            return Err(error(
+                text.len(),
+                format!("the file is cut off: a whole one ends with the line \"{END_MARK}\""),
+            ));
+        }
         let mut scene = Self::default();
         let mut version = None;
         // Tables still to be read, with their names.
@@ -233,7 +243,8 @@ impl Scene {
 
     /// Writes the scene as TOML: what differs from the defaults, each with its sentence.
     pub fn to_toml(&self) -> String {
-        let mut text = format!("version = {VERSION}\npreset = {}\n", toml::Value::from(self.preset.as_str()));
+        let mut text =
+            format!("{SAVED_MARK}\nversion = {VERSION}\npreset = {}\n", toml::Value::from(self.preset.as_str()));
         for table in self.tables() {
             let changed = table.describe().into_iter().filter_map(|info| {
                 let value = table.get(info.name)?;
@@ -258,6 +269,8 @@ impl Scene {
                 let _ = writeln!(text, "{} = {value}  # {}", info.name, info.sentence);
             }
         }
+        text.push_str(END_MARK);
+        text.push('\n');
         text
     }
 
@@ -355,9 +368,17 @@ mod tests {
 
     #[test]
     fn half_a_file_is_an_error_or_a_scene_but_never_a_panic() {
-        let text = Scene::default().to_toml() + "[observer]\nplace = \"München\"\n[air]\naerosols = 2.5\n";
+        let text = "version = 1\n[observer]\nplace = \"München\"\n[air]\naerosols = 2.5\n";
         for end in (0..text.len()).filter(|&end| text.is_char_boundary(end)) {
             let _ = Scene::from_toml(&text[..end], "half");
+        }
+        let mut scene = Scene::default();
+        scene.set("observer.place", "München").unwrap();
+        scene.set("air.aerosols", "2.5").unwrap();
+        let saved = scene.to_toml();
+        let cuts = SAVED_MARK.len()..saved.len() - 1;
+        for end in cuts.filter(|&end| saved.is_char_boundary(end)) {
+            assert!(Scene::from_toml(&saved[..end], "half").is_err(), "{}", &saved[..end]);
         }
     }
 

@@ -66,8 +66,12 @@ struct Report {
 pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     let started = Instant::now();
     let scene = args.scene.scene()?;
-    check_writable(&args.output)?;
     let format = FileFormat::of(&args.output)?;
+    format.check_size(scene.output.width_px, scene.output.height_px)?;
+    check_writable(&args.output)?;
+    if let Some(path) = &args.save_scene {
+        check_writable(path)?;
+    }
     let model = SkyModel::new(&scene)?;
     model.view()?;
     let gpu = Gpu::open(args.scene.adapter.as_deref())?;
@@ -79,7 +83,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     drop(progress);
     save(&picture, &args.output)?;
     if let Some(path) = &args.save_scene {
-        himmel::picture::save_text(&reproducible(&scene, &model).to_toml(), path)?;
+        himmel::picture::save_bytes(reproducible(&scene, &model).to_toml().as_bytes(), path)?;
     }
     if quiet && !args.json {
         return Ok(());
