@@ -100,3 +100,32 @@ fn one_body_or_star_by_name() {
     let output = himmel(folder.path(), &["ephemeris", "Sirus"]);
     assert!(String::from_utf8_lossy(&output.stderr).contains("did you mean `sirius`"));
 }
+
+/// Rows that would be answered wrongly are refused by number; the same questions as JSON have the same answers.
+#[test]
+fn tables_are_read_strictly() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    let header = "body,time_utc,latitude_deg,longitude_deg,height_m\n";
+    write("q.csv", &format!("{header}sun,2012-09-06T16:00Z,52.4,13.06,35\nsun,2012-09-06T16:00Z,52,4,13.06,35\n"));
+    let output = crate::himmel(folder.path(), &["ephemeris", "--input", "q.csv", "--output", "a.csv"]);
+    let err = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(1) && err.contains("row 2: 6 fields, the header has 5"), "{err}");
+    write("twice.csv", "body,body,time_utc,latitude_deg,longitude_deg\nsun,moon,2012-09-06T16:00Z,52,13\n");
+    let output = crate::himmel(folder.path(), &["ephemeris", "--input", "twice.csv"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("stands twice"));
+
+    let object =
+        r#"{"body":"sun","time_utc":"2012-09-06T16:00Z","latitude_deg":52.4,"longitude_deg":13.06,"height_m":35}"#;
+    write("q.json", &format!("[{object}]"));
+    let json = crate::succeed(folder.path(), &["ephemeris", "--input", "q.json", "--json"]);
+    let answers: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let answered = std::fs::read_to_string(folder.path().join("a.csv")).expect("answers");
+    let first: Vec<&str> = answered.lines().nth(1).expect("a row").split(',').collect();
+    assert_eq!(answers[0]["azimuth_deg"].as_f64(), first[5].parse().ok());
+
+    let output = crate::himmel(folder.path(), &["ephemeris", "sun", "--output", "x.csv"]);
+    assert_eq!(output.status.code(), Some(2));
+    let output = crate::himmel(folder.path(), &["almanac", "--place", "Apia", "--date", "2011-12-30"]);
+    assert!(String::from_utf8_lossy(&output.stderr).contains("does not exist"));
+}

@@ -43,13 +43,27 @@ enum Command {
     Bench(commands::bench::Args),
 }
 
-/// Prints a line. A reader that has left (`himmel params | head`) is no error.
+/// Prints a line; see [`print_bytes`].
 #[macro_export]
 macro_rules! out {
-    ($($text:tt)*) => {{
-        use std::io::Write as _;
-        let _ = writeln!(std::io::stdout(), $($text)*);
-    }};
+    ($($text:tt)*) => {
+        $crate::print_bytes(format!("{}\n", format_args!($($text)*)).as_bytes())
+    };
+}
+
+/// Writes to the standard output. A reader that has left (`himmel params | head`) ends the program quietly: nobody wants
+/// the rest. Anything else, a full disk, is a failure.
+pub fn print_bytes(bytes: &[u8]) {
+    use std::io::Write as _;
+    let mut stdout = std::io::stdout();
+    match stdout.write_all(bytes).and_then(|()| stdout.flush()) {
+        Ok(()) => {}
+        Err(error) if error.kind() == std::io::ErrorKind::BrokenPipe => std::process::exit(0),
+        Err(error) => {
+            eprintln!("himmel: cannot write the standard output: {error}");
+            std::process::exit(1);
+        }
+    }
 }
 
 /// Why a command ended: 2 for bad usage, 1 for everything else.

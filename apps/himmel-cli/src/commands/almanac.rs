@@ -65,13 +65,16 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     let ephemeris = args.level.open()?;
     let progress = Progress::new("computing", quiet);
     let whole = f64::from((last - first).get_days()) + 1.0;
+    if whole > f64::from(MOST_DAYS) {
+        return Err(Failure::usage(format!("at most {MOST_DAYS} days at once, got {whole}")));
+    }
     let (mut days, mut day) = (Vec::new(), first);
     while day <= last {
-        if days.len() as i32 >= MOST_DAYS {
-            return Err(Failure::usage(format!("at most {MOST_DAYS} days at once")));
-        }
         let next = day_after(day)?;
         let span = (midnight(day, &zone)?, midnight(next, &zone)?);
+        if span.1.ut1().jd() <= span.0.ut1().jd() {
+            return Err(Failure::usage(format!("{day} does not exist in {}: its calendar skipped it", site.name)));
+        }
         let found = almanac(ephemeris.as_ref(), &place, span, DeltaTModel::Standard).map_err(usage)?;
         if args.json {
             days.push(object(day, &site, &zone, &found));

@@ -131,12 +131,18 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
             ),
             Kind::Solar => {
                 out!(
-                    "{}  {:<7}  magnitude {:.4}  obscuration {:.4}  Sun at {:.1}°",
+                    "{}  {:<7}  magnitude {:.4}  obscuration {:.4}  Sun at {:.1}°{}",
                     field("max_utc"),
                     field("type"),
                     eclipse["magnitude"].as_f64().unwrap_or(f64::NAN),
                     eclipse["obscuration"].as_f64().unwrap_or(f64::NAN),
-                    eclipse["sun_altitude_max_deg"].as_f64().unwrap_or(f64::NAN)
+                    eclipse["sun_altitude_max_deg"].as_f64().unwrap_or(f64::NAN),
+                    // The numbers are those of the geometric maximum, seen or not.
+                    if eclipse["sun_altitude_max_deg"].as_f64().is_some_and(|h| h < -0.8333) {
+                        ", below the horizon"
+                    } else {
+                        ""
+                    }
                 );
                 for contact in ["c1", "c2", "c3", "c4"] {
                     out!("  {contact}  {}", field(&format!("{contact}_utc")));

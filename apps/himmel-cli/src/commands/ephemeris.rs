@@ -1,6 +1,6 @@
 //! `himmel ephemeris`
 
-use std::io::{Read, Write};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use himmel::parse_time;
@@ -8,7 +8,7 @@ use himmel::parts::astro::query::{Answer, Conditions, EphemerisTable, Target};
 use himmel::parts::astro::{AirAtObserver, Instant, Place};
 
 use super::level::Level;
-use crate::{Failure, out};
+use crate::{Failure, out, print_bytes};
 
 /// Arguments of `himmel ephemeris`.
 #[derive(clap::Args)]
@@ -30,7 +30,7 @@ pub struct Args {
     /// ISO 8601 with Z or an offset, bare and local to the place, or now.
     #[arg(long, allow_hyphen_values = true, default_value = "now")]
     time: String,
-    /// Table of questions (CSV); - reads the standard input.
+    /// Table of questions (CSV, or a JSON list of objects); - reads the standard input.
     #[arg(long, value_name = "FILE.csv")]
     input: Option<PathBuf>,
     /// Where the table with the answers goes; the standard output unless given.
@@ -58,6 +58,12 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let air =
         AirAtObserver::new(args.pressure, args.temperature + 273.15).map_err(|e| Failure::usage(e.to_string()))?;
     let conditions = Conditions { air, polar_motion: args.polar_motion };
+    if let Some(path) = &args.output {
+        if args.input.is_none() {
+            return Err(Failure::usage("--output goes with --input; for one body, send the output where you want it"));
+        }
+        himmel::picture::check_writable(path)?;
+    }
     match (&args.input, &args.body) {
         (Some(input), _) => table(args, input, &conditions),
         (None, Some(body)) => one(args, body, &conditions),
@@ -111,6 +117,10 @@ fn object(answer: &Answer) -> serde_json::Map<String, serde_json::Value> {
 /// A whole table.
 fn table(args: &Args, input: &Path, conditions: &Conditions) -> Result<(), Failure> {
     let bytes = read(input)?;
+    let bytes = match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
+        Some(b'[' | b'{') => csv_from_json(&bytes).map_err(|e| Failure::failed(format!("{}: {e}", input.display())))?,
+        _ => bytes,
+    };
     let mut reader = csv::ReaderBuilder::new().flexible(true).has_headers(false).from_reader(bytes.as_slice());
     let text = |record: &csv::ByteRecord| -> Vec<String> {
         record.iter().map(|field| String::from_utf8_lossy(field).into_owned()).collect()
@@ -142,7 +152,13 @@ fn table(args: &Args, input: &Path, conditions: &Conditions) -> Result<(), Failu
             }
         };
         let row = text(&record);
-        let answer = columns.answer(&row, ephemeris.as_ref(), conditions).unwrap_or_else(|e| {
+        let result = if row.len() > header.len() {
+            let (got, wanted) = (row.len(), header.len());
+            Err(format!("{got} fields, the header has {wanted} (decimals take a point, texts with commas take quotes)"))
+        } else {
+            columns.answer(&row, ephemeris.as_ref(), conditions).map_err(|e| e.to_string())
+        };
+        let answer = result.unwrap_or_else(|e| {
             eprintln!("himmel: row {}: {e}", index + 1);
             bad += 1;
             Answer::default()
@@ -166,16 +182,41 @@ fn table(args: &Args, input: &Path, conditions: &Conditions) -> Result<(), Failu
     };
     match &args.output {
         Some(path) => {
-            std::fs::write(path, bytes).map_err(|e| Failure::failed(format!("cannot write {}: {e}", path.display())))?
+            himmel::picture::save_bytes(&bytes, path)?;
         }
-        // A reader that has left is no error.
-        None => drop(std::io::stdout().write_all(&bytes)),
+        None => print_bytes(&bytes),
     }
     match bad {
         0 => Ok(()),
         1 => Err(Failure::failed("1 row could not be answered; the others are")),
         n => Err(Failure::failed(format!("{n} rows could not be answered; the others are"))),
     }
+}
+
+/// A list of flat objects (or one object) as a table: the columns are all keys, in the order of their first appearance.
+fn csv_from_json(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let rows = match serde_json::from_slice(bytes).map_err(|e| e.to_string())? {
+        serde_json::Value::Array(rows) => rows,
+        row => vec![row],
+    };
+    let mut header: Vec<String> = Vec::new();
+    for (index, row) in rows.iter().enumerate() {
+        let object = row.as_object().ok_or_else(|| format!("entry {} is no object", index + 1))?;
+        for key in object.keys().filter(|key| !header.contains(key)).cloned().collect::<Vec<_>>() {
+            header.push(key);
+        }
+    }
+    let field = |row: &serde_json::Value, key: &str| match row.get(key) {
+        None | Some(serde_json::Value::Null) => String::new(),
+        Some(serde_json::Value::String(text)) => text.clone(),
+        Some(other) => other.to_string(),
+    };
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(&header).map_err(|e| e.to_string())?;
+    for row in &rows {
+        table.write_record(header.iter().map(|key| field(row, key))).map_err(|e| e.to_string())?;
+    }
+    table.into_inner().map_err(|e| e.to_string())
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, Failure> {

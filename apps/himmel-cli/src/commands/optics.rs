@@ -12,6 +12,11 @@ use crate::{Failure, out};
 
 /// Arguments of `himmel optics`.
 #[derive(clap::Args)]
+#[command(after_help = "Examples:
+  himmel optics mie --radius-um 0.5 --index 1.5,0.01 --wavelength-nm 550
+  himmel optics lognormal --mode 0.1,1.6,100 --index 1.5,0.01 --wavelength-nm 550
+  himmel optics depth --preset bruneton2017
+  himmel optics plot --preset mars --what phase -o phase.svg")]
 pub struct Args {
     #[command(subcommand)]
     what: What,

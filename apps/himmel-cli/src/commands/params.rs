@@ -44,8 +44,8 @@ pub fn run(args: &Args) -> Result<(), Failure> {
     let mut table = "";
     for info in all {
         if info.table != table {
+            out!("{}[{}]", if table.is_empty() { "" } else { "\n" }, info.table);
             table = info.table;
-            out!("{}[{table}]", if table.is_empty() { "" } else { "\n" });
         }
         let unit = if info.unit.is_empty() { String::new() } else { format!(" {}", info.unit) };
         out!("{} = {}{unit}   ({})", info.key(), info.default, info.accepts());

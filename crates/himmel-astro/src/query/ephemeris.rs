@@ -123,6 +123,16 @@ impl EphemerisTable {
                 reason: format!("the column `{name}` is missing"),
             })
         };
+        for name in ["body", "time_utc", "jd_tt", "jd_ut1", "latitude_deg", "longitude_deg", "height_m"] {
+            let same = |h: &&S| h.as_ref().trim().trim_start_matches('\u{feff}') == name;
+            if header.iter().filter(same).count() > 1 {
+                return Err(AstroError::Malformed {
+                    what: "header line",
+                    text: shown(&header.iter().map(AsRef::as_ref).collect::<Vec<_>>().join(",")),
+                    reason: format!("the column `{name}` stands twice"),
+                });
+            }
+        }
         let clocks = find("jd_tt").zip(find("jd_ut1"));
         let time_utc = find("time_utc");
         if clocks.is_none() {
@@ -160,7 +170,7 @@ impl EphemerisTable {
         };
         let target = Target::parse(field(self.body))?;
         let clocks = self.clocks.filter(|(tt, ut1)| {
-            self.time_utc.is_none_or(|u| field(u).is_empty()) || !(field(*tt).is_empty() && field(*ut1).is_empty())
+            self.time_utc.is_none_or(|u| field(u).is_empty()) || !(field(*tt).is_empty() || field(*ut1).is_empty())
         });
         let instant = match (clocks, self.time_utc) {
             (Some((tt, ut1)), _) => Instant::from_tt_ut1(

@@ -26,7 +26,11 @@ impl Catalogue {
     ///
     /// Good rows make the catalogue; each bad row gives a message with its line number.
     pub fn from_csv(text: &str) -> Result<(Self, Vec<String>)> {
-        let mut lines = text.lines().enumerate().filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
+        let mut lines = text
+            .trim_start_matches('\u{feff}')
+            .lines()
+            .enumerate()
+            .filter(|(_, l)| !l.trim().is_empty() && !l.starts_with('#'));
         let (_, head) = lines.next().ok_or_else(|| malformed("", "it has no header line"))?;
         let head: Vec<&str> = head.split(',').map(str::trim).collect();
         let columns = COLUMNS.map(|name| head.iter().position(|h| *h == name));

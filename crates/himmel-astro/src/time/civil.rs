@@ -19,6 +19,14 @@ pub(super) fn unix_seconds_from_iso(text: &str) -> Result<f64> {
     Ok(t.as_second() as f64 + f64::from(t.subsec_nanosecond()) * 1e-9)
 }
 
+/// The same text with 59 for 60 seconds, where it names a sixtieth second.
+pub(super) fn split_leap_second(text: &str) -> Option<String> {
+    let text = text.trim();
+    let time = text.find(['T', 't', ' '])? + 1;
+    let seconds = time + 5;
+    (text.get(seconds..seconds + 3)? == ":60").then(|| format!("{}:59{}", &text[..seconds], &text[seconds + 3..]))
+}
+
 /// ISO 8601 in UTC to the millisecond; outside the years −9999..=9999 the Julian date.
 pub(super) fn iso_from_unix_seconds(unix_s: f64) -> String {
     let milliseconds = (unix_s * 1000.0).round();

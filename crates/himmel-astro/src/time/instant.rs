@@ -69,7 +69,18 @@ impl Instant {
     /// Reads ISO 8601 with `Z` or an offset (`2012-09-06T18:00Z`, `1999-08-11T12:33:00+02:00`), by the Gregorian calendar.
     /// A time without either is read as UTC; the local clock of a place is the caller's business.
     pub fn parse(text: &str) -> Result<Self> {
-        Self::from_unix_seconds(super::civil::unix_seconds_from_iso(text)?)
+        // 23:59:60 is a second of its own on the days that have one; civil time counts it as 23:59:59 once more.
+        let leap = super::civil::split_leap_second(text);
+        let unix_s = super::civil::unix_seconds_from_iso(leap.as_deref().unwrap_or(text))?;
+        let instant = Self::from_unix_seconds(unix_s)?;
+        if leap.is_none() {
+            return Ok(instant);
+        }
+        let next_mjd = (unix_s.floor() + 1.0) / SECONDS_PER_DAY + UNIX_EPOCH_JD - 2_400_000.5;
+        if next_mjd.fract() != 0.0 || tai_minus_utc_s(next_mjd) == tai_minus_utc_s(next_mjd - 0.5) {
+            return Err(malformed_time(text, "that minute has no leap second"));
+        }
+        instant.plus_seconds(1.0)
     }
 
     /// Terrestrial Time.
@@ -130,6 +141,19 @@ pub(super) fn malformed_time(text: &str, reason: &str) -> AstroError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_leap_second_lies_between_its_neighbours() {
+        let at = |text: &str| Instant::parse(text).unwrap().tt().jd() * SECONDS_PER_DAY;
+        let (before, leap, after) =
+            (at("2016-12-31T23:59:59Z"), at("2016-12-31T23:59:60Z"), at("2017-01-01T00:00:00Z"));
+        // A Julian date in f64 resolves 40 µs.
+        assert!((leap - before - 1.0).abs() < 1e-4 && (after - leap - 1.0).abs() < 1e-4);
+        assert!((at("2017-01-01T01:59:60+02:00") - leap).abs() < 1e-4);
+        for text in ["2017-12-31T23:59:60Z", "2016-12-31T12:00:60Z", "1950-12-31T23:59:60Z"] {
+            assert!(Instant::parse(text).unwrap_err().to_string().contains("leap second"), "{text}");
+        }
+    }
 
     #[test]
     fn leap_seconds_enter_terrestrial_time() {
