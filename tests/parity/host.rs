@@ -221,7 +221,7 @@ fn the_disc_keeps_its_flux() {
         ("output.exposure", "none"),
         ("light.sun.altitude_deg", "47"),
     ];
-    let cases: [(&str, &[(&str, &str)], f64); 5] = [
+    let cases: [(&str, himmel_tests::Settings, f64); 5] = [
         ("narrow", &[("camera.look", "sun"), ("camera.fov_deg", "2")], 0.01),
         ("normal", &[("camera.look", "sun"), ("camera.fov_deg", "40")], 0.03),
         ("wide", &[("camera.look", "S,30"), ("camera.fov_deg", "100"), ("light.sun.azimuth_deg", "200")], 0.08),

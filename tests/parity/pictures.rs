@@ -1,10 +1,7 @@
 //! Whole pictures against the f64 twin: tables, march, ground, colour matrix, cameras.
 
 use himmel::{Output, Pixels, SkyModel, Still};
-use himmel_tests::{gpu, model};
-
-/// Parameters by name.
-type Settings = &'static [(&'static str, &'static str)];
+use himmel_tests::{Settings, gpu, model};
 
 /// Renders a scene's picture and compares each pixel's luminance with the model's. Returns relative errors, sorted.
 fn errors(model: &SkyModel) -> Vec<f64> {

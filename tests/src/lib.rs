@@ -25,6 +25,9 @@ pub fn gpu() -> &'static Gpu {
     })
 }
 
+/// Parameters by name.
+pub type Settings = &'static [(&'static str, &'static str)];
+
 /// A model of a scene given as `key = value` pairs.
 ///
 /// # Panics
