@@ -71,17 +71,17 @@ pub fn block_pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
     })
 }
 
-pub fn display_pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
+pub fn display_pipeline(device: &wgpu::Device) -> crate::Result<wgpu::RenderPipeline> {
     use himmel::parts::gpu::shader;
     // Himmel's own tone mappers, so that both look alike; any other would do.
-    let parts = [shader::module("output/tonemap.wgsl"), shader::module("output/dither.wgsl")];
+    let parts = [shader::module("output/tonemap.wgsl")?, shader::module("output/dither.wgsl")?];
     let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some("host: display"),
         source: wgpu::ShaderSource::Wgsl((parts.concat() + include_str!("display.wgsl")).into()),
     });
     let [x, y, width, height] = CAMERAS[1].viewport.map(f64::from);
     let inset = [("inset_left", x), ("inset_top", y), ("inset_right", x + width), ("inset_bottom", y + height)];
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+    Ok(device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("host: display"),
         layout: None,
         vertex: wgpu::VertexState {
@@ -101,7 +101,7 @@ pub fn display_pipeline(device: &wgpu::Device) -> wgpu::RenderPipeline {
         }),
         multiview_mask: None,
         cache: None,
-    })
+    }))
 }
 
 pub fn bind(

@@ -163,7 +163,7 @@ fn main() -> Result<()> {
     let finished = texture(&device, DISPLAY, 1, wgpu::TextureUsages::COPY_SRC);
     let [samples_view, hdr_view, depth_view, finished_view] =
         [&samples, &hdr, &depth, &finished].map(|texture| texture.create_view(&Default::default()));
-    let display_pipeline = display_pipeline(&device);
+    let display_pipeline = display_pipeline(&device)?;
     let display_group = bind(&device, &display_pipeline, &[wgpu::BindingResource::TextureView(&hdr_view)]);
 
     let mut encoder = device.create_command_encoder(&Default::default());

@@ -5,7 +5,7 @@ use himmel::parts::gpu::shader;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
 fn parse(root: &str) -> naga::Module {
-    let text = shader::module(root);
+    let text = shader::module(root).expect("the files join");
     naga::front::wgsl::parse_str(&text).unwrap_or_else(|error| panic!("{root}: {}", error.emit_to_string(&text)))
 }
 
@@ -23,7 +23,7 @@ fn every_shader_is_valid_webgpu() {
 
 #[test]
 fn every_file_is_used_and_every_file_on_disk_is_known() {
-    let all: String = shader::ROOTS.iter().map(|root| shader::module(root)).collect();
+    let all: String = shader::ROOTS.iter().map(|root| shader::module(root).expect("the files join")).collect();
     for (path, _) in shader::FILES {
         assert!(all.contains(&format!("// ---- {path}\n")), "{path} is included by nobody");
     }
@@ -73,8 +73,11 @@ fn shared_structs_have_the_same_offsets() {
 
 #[test]
 fn a_moved_field_is_noticed() {
-    let text =
-        shader::module("sky.wgsl").replacen("bottom_radius_m: f32,\n", "moved: f32,\n    bottom_radius_m: f32,\n", 1);
+    let text = shader::module("sky.wgsl").expect("the files join").replacen(
+        "bottom_radius_m: f32,\n",
+        "moved: f32,\n    bottom_radius_m: f32,\n",
+        1,
+    );
     let module = naga::front::wgsl::parse_str(&text).expect("still WGSL");
     assert!(SHARED.iter().any(|layout| difference(layout, &module).is_some()));
 }

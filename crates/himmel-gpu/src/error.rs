@@ -36,6 +36,9 @@ pub enum GpuError {
         /// Most pixels.
         max_pixels: u64,
     },
+    /// Shader files could not be joined.
+    #[error("the shaders do not fit together: {0}")]
+    Shader(#[from] crate::shader::IncludeError),
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

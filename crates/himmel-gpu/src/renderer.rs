@@ -94,7 +94,7 @@ impl SkyRenderer {
         target.check(device)?;
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("sky"),
-            source: wgpu::ShaderSource::Wgsl(shader::module("sky.wgsl").into()),
+            source: wgpu::ShaderSource::Wgsl(shader::module("sky.wgsl")?.into()),
         });
         let uniform = |size: usize, dynamic| wgpu::BindGroupLayoutEntry {
             binding: 0,
@@ -120,7 +120,7 @@ impl SkyRenderer {
             immediate_size: 0,
         });
         let pipeline = sky_pipeline(device, &module, &pipeline_layout, target, false);
-        let meter = Meter::new(device);
+        let meter = Meter::new(device)?;
         let tables = Tables::new(device, atmosphere.depth_size());
         let frame_buffer = uniform_buffer(device, "sky frame", size_of::<FrameUniform>() as u64);
         let mut bindings = vec![wgpu::BindGroupEntry { binding: 0, resource: frame_buffer.as_entire_binding() }];

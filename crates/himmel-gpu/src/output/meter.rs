@@ -1,5 +1,6 @@
 //! Automatic exposure: draws a small picture and averages its luminance into one texel, without a read-back.
 
+use crate::error::GpuError;
 use crate::shader;
 
 /// Size of the metering picture: 2,304 rays, a 400th of a 1280×720 frame.
@@ -17,7 +18,7 @@ pub(crate) struct Meter {
 }
 
 impl Meter {
-    pub(crate) fn new(device: &wgpu::Device) -> Self {
+    pub(crate) fn new(device: &wgpu::Device) -> Result<Self, GpuError> {
         let texture = |label, (width, height), usage| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -35,7 +36,7 @@ impl Meter {
         let exposure_view = exposure.create_view(&Default::default());
         let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
             label: Some("meter"),
-            source: wgpu::ShaderSource::Wgsl(shader::module("output/meter.wgsl").into()),
+            source: wgpu::ShaderSource::Wgsl(shader::module("output/meter.wgsl")?.into()),
         });
         let layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("meter"),
@@ -72,7 +73,7 @@ impl Meter {
             multiview_mask: None,
             cache: None,
         });
-        Self { picture, exposure, exposure_view, pipeline, bind_group }
+        Ok(Self { picture, exposure, exposure_view, pipeline, bind_group })
     }
 
     pub(crate) fn exposure_view(&self) -> &wgpu::TextureView {
