@@ -28,7 +28,7 @@ const CASES: &[(&[&str], &[&str])] = &[
     (&["--fov", "200"], &["179.5", "fisheye"]),
     (&["--exposure", "1e30"], &["auto"]),
     (&["--tonemap", "filmic"], &["neutral", "filmic"]),
-    (&["--adapter", "no such gpu"], &["no GPU adapter", "llvmpipe"]),
+    (&["--adapter", "no such gpu"], &["no usable GPU adapter", "mesa-vulkan-drivers"]),
     (&["--time", "9999-12-31T23:59:59Z", "--altitude", "-5"], &["observer.altitude_m"]),
 ];
 

@@ -62,14 +62,23 @@ fn adapters() -> Vec<wgpu::Adapter> {
     if modern.is_empty() { of(wgpu::Backends::GL) } else { modern }
 }
 
+/// Whether an adapter draws to the floats that luminance needs. WebGPU guarantees it; OpenGL drivers often lack it.
+fn draws_floats(adapter: &wgpu::Adapter) -> bool {
+    let wanted = wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::TEXTURE_BINDING;
+    adapter.get_texture_format_features(wgpu::TextureFormat::Rgba32Float).allowed_usages.contains(wanted)
+}
+
 impl Gpu {
     /// Opens the fastest adapter, or the first whose name contains `wanted` (any case): `llvmpipe`, `nvidia`.
     ///
     /// Asks for no feature that WebGPU does not guarantee; takes time stamps where they are offered.
     pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
         let adapters = adapters();
-        let names: Vec<String> =
-            adapters.iter().map(|adapter| AdapterReport::of(&adapter.get_info()).to_string()).collect();
+        let describe = |adapter: &wgpu::Adapter| {
+            let lack = if draws_floats(adapter) { "" } else { ", which cannot draw to 32-bit floats" };
+            format!("{}{lack}", AdapterReport::of(&adapter.get_info()))
+        };
+        let names: Vec<String> = adapters.iter().map(describe).collect();
         let rank = |adapter: &wgpu::Adapter| match adapter.get_info().device_type {
             wgpu::DeviceType::DiscreteGpu => 0,
             wgpu::DeviceType::IntegratedGpu => 1,
@@ -77,9 +86,10 @@ impl Gpu {
             wgpu::DeviceType::Cpu => 3,
             wgpu::DeviceType::Other => 4,
         };
-        let fits = |adapter: &wgpu::Adapter| {
+        let named = |adapter: &wgpu::Adapter| {
             wanted.is_none_or(|wanted| adapter.get_info().name.to_lowercase().contains(&wanted.to_lowercase()))
         };
+        let fits = |adapter: &wgpu::Adapter| named(adapter) && draws_floats(adapter);
         let Some(adapter) = adapters.into_iter().filter(fits).min_by_key(rank) else {
             return Err(GpuError::NoAdapter {
                 wanted: wanted.map_or_else(|| "answers".into(), |name| format!("named like \"{name}\" answers")),
