@@ -5,7 +5,7 @@
 pub enum GpuError {
     /// No adapter answers, or none whose name contains what was asked for.
     #[error(
-        "no GPU adapter {wanted}; {found}. On Debian, `apt-get install mesa-vulkan-drivers libvulkan1` brings a software one"
+        "no usable GPU adapter {wanted}; {found}. On Debian, `apt-get install mesa-vulkan-drivers libvulkan1` brings a software one"
     )]
     NoAdapter {
         /// What was looked for.
