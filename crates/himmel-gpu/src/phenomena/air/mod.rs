@@ -4,8 +4,8 @@
 //!   a table. The model, and the twin of every function in `air.wgsl`, is [`himmel_air`].
 //! - **What it costs**: 32 samples a pixel, each two reads of the medium, four of scattering, four of optical depth and
 //!   two exponentials. Tables: 1.13 MiB. No table depends on the Sun, so time costs nothing.
-//! - **What it leaves out**: light that is scattered more than once. A clear day's sky is therefore 15–25 % too dark at
-//!   the zenith, a third at the horizon, and twilight half as bright as it should be. The moment table of the issue
+//! - **What it leaves out**: light that is scattered more than once. Skies are therefore too dark, most so at the
+//!   horizon, in twilight and in haze; by how much is measured once the reference tracer exists. The moment table of the issue
 //!   "The air on the GPU" adds it at the line marked "Orders ≥ 2".
 //! - **Known to look wrong**: haze (`earth-haze`, `titan-reference`) is far too dark and too contrasty for the same
 //!   reason; the Sun is a point for shadows, so the edge of the Earth's shadow is sharper than in nature; refraction
