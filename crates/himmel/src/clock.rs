@@ -110,11 +110,6 @@ impl Clock {
         self.paused
     }
 
-    /// Whether it shows the instant that was set last: it has not run since.
-    pub fn is_at_start(&self) -> bool {
-        self.now == self.start
-    }
-
     /// Back to the instant that was set last; rate and pause stay.
     pub fn reset(&mut self) {
         self.now = self.start;

@@ -79,7 +79,7 @@ impl SkyModel {
         Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris })
     }
 
-    /// The settings as they were given; observer and clock may have moved on since.
+    /// The settings as they were given; the clock may have run, and the observer moved, since.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
@@ -118,6 +118,7 @@ impl SkyModel {
     pub fn set_time(&mut self, text: &str) -> Result<()> {
         let now = parse_time(text, &self.observer.time_zone)?;
         self.clock.set(now);
+        self.scene.clock.time = text.into();
         Ok(())
     }
 
@@ -137,11 +138,10 @@ impl SkyModel {
         // A place that was set by hand stays until another one is named.
         let place_changed = self.scene.observer.place != old.observer.place;
         let observer = if place_changed { Observer::at(&self.scene.observer.place)? } else { self.observer.clone() };
-        // A bare time is local: at another place it is another instant, unless the clock has moved on by itself.
-        let bare = parse_time(&self.scene.clock.time, &observer.time_zone)?
-            != parse_time(&self.scene.clock.time, &jiff::tz::TimeZone::UTC)?
-            && self.scene.clock.time.trim() != "now";
-        let follows_place = place_changed && bare && self.clock.is_at_start();
+        // A bare time is local: at another place it is another instant, unless the clock has gone elsewhere meanwhile.
+        let follows_place = place_changed
+            && old.clock.time.trim() != "now"
+            && parse_time(&old.clock.time, &self.observer.time_zone)? == self.clock.now();
         let time_changed = self.scene.clock.time != old.clock.time || follows_place;
         let now = if time_changed { Some(parse_time(&self.scene.clock.time, &observer.time_zone)?) } else { None };
         let preset_changed = (&self.scene.preset, &self.scene.folder) != (&old.preset, &old.folder);
@@ -425,6 +425,10 @@ mod tests {
         model.set_scene(&scene).unwrap();
         assert_eq!(model.utc(), SkyModel::new(&scene).unwrap().utc());
         assert_eq!(model.sun().unwrap(), SkyModel::new(&scene).unwrap().sun().unwrap());
+        // From a zone with an offset to one without, too.
+        scene.set("observer.place", "Accra").unwrap();
+        model.set_scene(&scene).unwrap();
+        assert_eq!(model.utc().to_string(), "2012-09-06T12:00:00Z");
         // A clock that runs keeps its instant wherever one goes.
         model.clock_mut().advance(60.0);
         let now = model.utc();
