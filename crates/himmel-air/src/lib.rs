@@ -29,6 +29,7 @@ pub mod phase;
 pub mod preset;
 pub mod profile;
 pub mod rayleigh;
+pub mod reference;
 pub mod refraction;
 pub mod shadow;
 pub mod sharp;

@@ -87,18 +87,29 @@ impl Tabulated {
         Ok(tabulated)
     }
 
+    /// The table below a wavelength and the weight of the next one.
+    pub(crate) fn locate(&self, wavelength_nm: f64) -> (usize, f64) {
+        interpolate::locate(&self.wavelength_nm, wavelength_nm)
+    }
+
+    /// How many wavelengths it holds.
+    pub(crate) fn tables(&self) -> usize {
+        self.wavelength_nm.len()
+    }
+
     fn log_one(&self, table: usize, cos_theta: f64) -> f64 {
         let x = (cos_theta.clamp(-1.0, 1.0).acos() / PI).sqrt() * (Self::ANGLES - 1) as f64;
         let i = (x as usize).min(Self::ANGLES - 2);
         interpolate::lerp(self.log_p[table][i], self.log_p[table][i + 1], x - i as f64)
     }
 
-    fn one(&self, table: usize, cos_theta: f64) -> f64 {
+    /// The phase function of one of its wavelengths, sr⁻¹.
+    pub(crate) fn one(&self, table: usize, cos_theta: f64) -> f64 {
         self.log_one(table, cos_theta).exp()
     }
 
     fn at(&self, cos_theta: f64, wavelength_nm: f64) -> f64 {
-        let (i, t) = interpolate::locate(&self.wavelength_nm, wavelength_nm);
+        let (i, t) = self.locate(wavelength_nm);
         if t == 0.0 {
             return self.one(i, cos_theta);
         }

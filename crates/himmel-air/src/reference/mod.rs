@@ -1,0 +1,16 @@
+//! The reference: light followed backwards through spherical shells of air, all orders, without tables.
+
+mod first;
+mod flight;
+mod importance;
+mod line;
+mod lobe;
+mod optics;
+mod path;
+mod random;
+mod source;
+mod tracer;
+
+pub use path::ORDERS;
+pub use source::Source;
+pub use tracer::{BATCHES, Effort, Estimate, MOST_SAMPLES, Tracer};
