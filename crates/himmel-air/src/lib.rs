@@ -19,6 +19,7 @@ pub mod atmosphere;
 pub mod colour;
 pub mod columns;
 pub mod geometry;
+pub mod hillaire;
 pub mod irradiance;
 pub mod light;
 pub mod lognormal;
