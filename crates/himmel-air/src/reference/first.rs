@@ -86,13 +86,7 @@ pub(super) fn transmittance_to<const N: usize>(
     let line = Line::new(optics, point, direction);
     line.cut(optics, LIGHT_STEP, &mut scratch.light_edges);
     scratch.light_columns_m.fill(0.0);
-    line.columns(
-        optics,
-        &scratch.light_edges,
-        light_rule(),
-        &mut scratch.densities,
-        &mut scratch.light_columns_m,
-    );
+    line.columns(optics, &scratch.light_edges, light_rule(), &mut scratch.densities, &mut scratch.light_columns_m);
     optics.depth(&scratch.light_columns_m).map(|depth| (-depth).exp())
 }
 

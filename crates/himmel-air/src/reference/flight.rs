@@ -252,16 +252,13 @@ impl<const N: usize> Flight<N> {
             i => (self.cells[i - 1].steered, self.cells[i - 1].plain),
         };
         let cell = self.cells[i];
-        let shape = if cell.slope.abs() < 1e-6 {
-            1.0
-        } else {
-            cell.slope * (cell.slope * x).exp() / cell.slope.exp_m1()
-        };
+        let shape =
+            if cell.slope.abs() < 1e-6 { 1.0 } else { cell.slope * (cell.slope * x).exp() / cell.slope.exp_m1() };
         let (from, to) = (self.edges[i], self.edges[i + 1]);
         let steered = if self.steered > 0.0 { (cell.steered - before_steered) / self.steered } else { 0.0 };
         let plain = (cell.plain - before_plain) / self.plain;
-        let chance = (1.0 - self.ground_chance) * ((1.0 - plain_share) * steered * shape + plain_share * plain)
-            / (to - from);
+        let chance =
+            (1.0 - self.ground_chance) * ((1.0 - plain_share) * steered * shape + plain_share * plain) / (to - from);
         if chance <= 0.0 {
             return (Event::None, [0.0; N]);
         }

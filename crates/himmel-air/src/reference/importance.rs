@@ -81,11 +81,7 @@ impl Importance {
             let (altitude_m, _) = node(row, 0);
             for (mu, weight) in directions(altitude_m) {
                 let sin = (1.0 - mu * mu).max(0.0).sqrt();
-                let line = Line::new(
-                    optics,
-                    DVec3::Z * (optics.radius_m + altitude_m),
-                    DVec3::new(sin, 0.0, mu),
-                );
+                let line = Line::new(optics, DVec3::Z * (optics.radius_m + altitude_m), DVec3::new(sin, 0.0, mu));
                 line.cut(optics, 1.0, &mut scratch.edges);
                 let (mut depth, mut cells) = (0.0f64, Vec::new());
                 for pair in scratch.edges.windows(2) {

@@ -16,10 +16,20 @@ pub(super) struct Lobe<const N: usize> {
 }
 
 enum Shape<const N: usize> {
-    Rayleigh { gamma: f64 },
+    Rayleigh {
+        gamma: f64,
+    },
     /// Draine's function: Henyey–Greenstein for α = 0, Cornette–Shanks for α = 1.
-    Draine { g: [f64; N], alpha: f64, grey: bool },
-    Table { table: Tabulated, at: [(usize, f64); N], angle: Vec<Vec<f64>> },
+    Draine {
+        g: [f64; N],
+        alpha: f64,
+        grey: bool,
+    },
+    Table {
+        table: Tabulated,
+        at: [(usize, f64); N],
+        angle: Vec<Vec<f64>>,
+    },
 }
 
 impl<const N: usize> Lobe<N> {

@@ -2,15 +2,19 @@
 
 mod first;
 mod flight;
+mod flux;
 mod importance;
 mod line;
 mod lobe;
 mod optics;
+mod parallel;
 mod path;
 mod random;
 mod source;
 mod tracer;
 
+pub use flux::Side;
+pub use parallel::for_each_parallel;
 pub use path::ORDERS;
 pub use source::Source;
 pub use tracer::{BATCHES, Effort, Estimate, MOST_SAMPLES, Tracer};

@@ -35,9 +35,16 @@ pub(super) struct Constituent<const N: usize> {
 
 /// A profile in the form that is quickest to evaluate; same values as [`Profile::at`].
 enum Density {
-    Exponential { per_m: f64 },
+    Exponential {
+        per_m: f64,
+    },
     /// Logarithms at the nodes, with an index that is even in altitude: no search.
-    LogTable { altitude_m: Vec<f64>, log: Vec<f64>, first: Vec<u32>, cells_per_m: f64 },
+    LogTable {
+        altitude_m: Vec<f64>,
+        log: Vec<f64>,
+        first: Vec<u32>,
+        cells_per_m: f64,
+    },
     Other(Profile),
 }
 

@@ -101,10 +101,8 @@ impl<const N: usize> Walker<N> {
                 _ => optics.scattering(&self.densities),
             };
             let hope: f64 = (0..N).map(|k| tracer.weight[k] * carried[k] * scattering[k]).sum();
-            let light: f64 = sources
-                .iter()
-                .map(|source| tracer.importance.diffuse(altitude_m, up.dot(source.direction)))
-                .sum();
+            let light: f64 =
+                sources.iter().map(|source| tracer.importance.diffuse(altitude_m, up.dot(source.direction))).sum();
             let share = hope * light / (FAINT * expected * factor);
             if !(share.is_finite() && hope > 0.0) {
                 return;
@@ -116,8 +114,7 @@ impl<const N: usize> Walker<N> {
                 }
                 carried.iter_mut().for_each(|c| *c /= chance);
             }
-            let Some(direction) =
-                self.turn(tracer, &line, point, up, event, &albedo, sources, &mut carried, random)
+            let Some(direction) = self.turn(tracer, &line, point, up, event, &albedo, sources, &mut carried, random)
             else {
                 return;
             };
@@ -154,8 +151,7 @@ impl<const N: usize> Walker<N> {
         for (c, component) in optics.components.iter().enumerate() {
             let aims = component.lobe.as_ref().is_some_and(|lobe| lobe.peaked());
             for k in 0..N {
-                let chance =
-                    self.densities[c] * component.scattering_per_m[k] * tracer.weight[k] * carried[k];
+                let chance = self.densities[c] * component.scattering_per_m[k] * tracer.weight[k] * carried[k];
                 self.chances[c * N + k] = chance;
                 all += chance;
                 peaked += if aims { chance } else { 0.0 };

@@ -182,12 +182,7 @@ impl<const N: usize> Tracer<N> {
 
     /// Light of the first order alone, without chance: scattered once, or reflected once by the ground. The disc of a
     /// source itself is not in it.
-    pub fn first_order(
-        &self,
-        sources: &[Source<N>],
-        altitude_m: f64,
-        direction: DVec3,
-    ) -> Result<[f64; N], AirError> {
+    pub fn first_order(&self, sources: &[Source<N>], altitude_m: f64, direction: DVec3) -> Result<[f64; N], AirError> {
         Self::check_sources(sources)?;
         let Some(line) = self.sight(altitude_m, direction)? else { return Ok([0.0; N]) };
         let mut scratch = Scratch::new(&self.optics);
