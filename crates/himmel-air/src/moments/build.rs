@@ -263,8 +263,7 @@ impl<const N: usize> Ground<N> {
         let j = (x as usize).min(self.logs.len() - 2);
         std::array::from_fn(|k| {
             let log = himmel_core::interpolate::lerp(self.logs[j][k], self.logs[j + 1][k], x - j as f64);
-            let e = log.exp() * fade;
-            if e > super::table::FLOOR { e } else { 0.0 }
+            super::table::lit(log.exp() * fade)
         })
     }
 }

@@ -38,6 +38,9 @@ struct Seen<const N: usize> {
 /// Cells of the march that places the samples.
 const PLACING: usize = 64;
 
+/// Share of the cells that goes to the lit parts of a ray through the planet's shadow.
+const LIT: f64 = 0.4;
+
 /// How slant a ray must be (cosine to the vertical) for S and U to weigh the same.
 const EVEN_SLANT: f64 = 0.1;
 
@@ -141,12 +144,21 @@ fn view<const N: usize>(air: &Sampled<'_, N>, ray: &Ray) -> Option<View> {
 }
 
 /// Boundaries of the cells: 30 % by what each stretch scatters towards the viewer, 70 % by √t (from space: by nearness
-/// to the ground); the edges of the planet's shadow are boundaries too.
+/// to the ground). The edges of the planet's shadow are boundaries too; where the ray crosses it, [`LIT`] of the cells
+/// go to the lit parts by themselves, which may be as short as a limb's upper edge.
 fn edges<const N: usize>(air: &Sampled<'_, N>, moments: &Moments<N>, view: &View, steps: usize) -> Vec<f64> {
     let (radius_m, Ray { altitude_m, mu, .. }) = (air.medium.bottom_radius_m, view.ray);
-    let fine: Vec<f64> = crowded(PLACING, -(radius_m + altitude_m) * mu, view.end).collect();
+    let mut fine: Vec<f64> = crowded(PLACING, -(radius_m + altitude_m) * mu, view.end).collect();
+    let crossed: Vec<f64> = match view.dark.1 > view.dark.0 {
+        true => [view.dark.0, view.dark.1].into_iter().filter(|&t| t > 0.0 && t < view.end).collect(),
+        false => Vec::new(),
+    };
+    for &edge in &crossed {
+        fine.insert(fine.partition_point(|&t| t <= edge), edge);
+    }
+    let cells = fine.len() - 1;
     let mut through = [1.0; N];
-    let mut weights = vec![[0.0; N]; PLACING];
+    let mut weights = vec![[0.0; N]; cells];
     for (weight, pair) in weights.iter_mut().zip(fine.windows(2)) {
         let (dt, t) = (pair[1] - pair[0], 0.5 * (pair[0] + pair[1]));
         let local = moments.optics.local(&air.medium.components, altitude_along(radius_m, altitude_m, mu, t));
@@ -160,20 +172,26 @@ fn edges<const N: usize>(air: &Sampled<'_, N>, moments: &Moments<N>, view: &View
     let share = |w: &[f64; N]| -> f64 { (0..N).map(|k| if total[k] > 0.0 { w[k] / total[k] } else { 0.0 }).sum() };
     let weight = Shares::new(weights.iter().map(share));
     let spread = match view.from_space {
-        true => Shares::new((0..PLACING).map(|_| 1.0)),
+        true => Shares::new((0..cells).map(|_| 1.0)),
         false => Shares::new(fine.windows(2).map(|pair| pair[1].sqrt() - pair[0].sqrt())),
     };
-    let shares = Shares::mixed(&spread, &weight, 0.3);
+    let mut shares = Shares::mixed(&spread, &weight, 0.3);
+    if !crossed.is_empty() {
+        let lit = |(pair, w): (&[f64], &[f64; N])| {
+            let dt = pair[1] - pair[0];
+            let dark = pair[0] >= view.dark.0 && pair[1] <= view.dark.1;
+            if dark || dt <= 0.0 { 0.0 } else { (share(w) / dt).powf(0.25) * dt }
+        };
+        shares = Shares::mixed(&shares, &Shares::new(fine.windows(2).zip(&weights).map(lit)), LIT);
+    }
     let steps = steps.clamp(1, 1_000_000);
     let place = |i: usize| {
         let (cell, x) = shares.at(i as f64 / steps as f64);
         fine[cell] + (fine[cell + 1] - fine[cell]) * x
     };
     let mut edges: Vec<f64> = (0..=steps).map(place).collect();
-    for edge in [view.dark.0, view.dark.1] {
-        if view.dark.1 > view.dark.0 && edge > 0.0 && edge < view.end {
-            edges.insert(edges.partition_point(|&t| t <= edge), edge);
-        }
+    for edge in crossed {
+        edges.insert(edges.partition_point(|&t| t <= edge), edge);
     }
     edges
 }

@@ -65,20 +65,19 @@ pub struct Moments<const N: usize> {
 /// the tail would be a guess.
 const LARGEST_RATIO: f64 = 0.97;
 
-/// How much the ratio of orders may still rise for the tail to be believed.
-const STEADY: f64 = 1.02;
+/// G of this size (the sky with the Sun 9° down) counts half in the question whether the orders have converged; darker
+/// texels less: nobody sees a percent there.
+const DIM: f64 = 1e-6;
 
-/// What all orders beyond the last will add, relative to the last: q/(1 − q), q the ratio of the last two orders; 0
-/// while q still rises (early orders of a thick medium grow before they fade).
-fn tail(before_last: f64, before: f64, last: f64) -> f64 {
-    if !(before > FLOOR && last > FLOOR) {
+/// What all orders beyond the last will add, relative to the last: q/(1 − q), q the ratio of the last two orders.
+///
+/// 0 while orders still grow (thick media, at depth). While q rises the tail is an underestimate, and better than none;
+/// while it falls an overestimate, which is why the caller goes on until tail and orders agree.
+fn tail(before: f64, last: f64) -> f64 {
+    if !(before > FLOOR && last > FLOOR) || last > before {
         return 0.0;
     }
-    let q = last / before;
-    if before_last > FLOOR && q > STEADY * (before / before_last) {
-        return 0.0;
-    }
-    let q = q.min(LARGEST_RATIO);
+    let q = (last / before).min(LARGEST_RATIO);
     q / (1.0 - q)
 }
 
@@ -100,40 +99,36 @@ impl<const N: usize> Moments<N> {
         let rows = in_parallel(map.rows, |i| scene.row(i));
         let nothing = || vec![([[0.0; N]; 6], [0.0; N]); map.columns * map.rows];
         let (mut sum, mut total, mut orders, mut last_change) = (nothing(), nothing(), 0, 0.0);
-        // The last three orders, the newest last.
-        let mut history = [nothing(), nothing(), nothing()];
+        // The last two orders, the newer last.
+        let mut history = [nothing(), nothing()];
         for order in 1..=quality.max_orders {
             let filled: Vec<Filled<N>> = if order == 1 {
                 in_parallel(map.rows, |i| scene.first(&rows[i]))
             } else {
-                let (before, ground) = tables(map, &history[2], quality.half_floats);
+                let (before, ground) = tables(map, &history[1], quality.half_floats);
                 in_parallel(map.rows, |i| scene.next(&rows[i], &before, &ground))
             };
             history.rotate_left(1);
-            history[2] = filled.into_iter().flatten().collect();
+            history[1] = filled.into_iter().flatten().collect();
             orders = order;
-            let bright = |texel: &(Six<N>, [f64; N])| texel.0[0].iter().any(|&g| g > FLOOR);
-            let anything = history[2].iter().any(bright);
             last_change = 0.0;
-            for (i, (six, irradiance)) in sum.iter_mut().enumerate() {
-                let [oldest, old, new] = [&history[0][i], &history[1][i], &history[2][i]];
-                let all = &mut total[i];
+            for ((old, new), (sum, all)) in history[0].iter().zip(&history[1]).zip(sum.iter_mut().zip(&mut total)) {
                 for k in 0..N {
-                    let beyond = tail(oldest.0[0][k], old.0[0][k], new.0[0][k]);
-                    let before = all.0[0][k];
+                    let (before, beyond) = (all.0[0][k], tail(old.0[0][k], new.0[0][k]));
                     for m in 0..6 {
-                        six[m][k] += new.0[m][k];
-                        all.0[m][k] = six[m][k] + beyond * new.0[m][k];
+                        sum.0[m][k] += new.0[m][k];
+                        all.0[m][k] = sum.0[m][k] + beyond * new.0[m][k];
                     }
-                    irradiance[k] += new.1[k];
-                    all.1[k] = irradiance[k] + tail(oldest.1[k], old.1[k], new.1[k]) * new.1[k];
-                    if all.0[0][k] > FLOOR {
-                        last_change = f64::max(last_change, (all.0[0][k] / before.max(FLOOR) - 1.0).abs());
+                    sum.1[k] += new.1[k];
+                    all.1[k] = sum.1[k] + tail(old.1[k], new.1[k]) * new.1[k];
+                    let now = all.0[0][k];
+                    if now > FLOOR {
+                        let change = (now - before).abs() / now / (1.0 + (DIM / now).sqrt());
+                        last_change = f64::max(last_change, change);
                     }
                 }
             }
-            // Two orders give the first ratio, a third says whether it is steady.
-            if !anything || (order >= 3 && last_change < quality.tolerance) {
+            if last_change < quality.tolerance {
                 break;
             }
         }
@@ -186,7 +181,7 @@ impl<const N: usize> Moments<N> {
         self.orders
     }
 
-    /// Largest relative change of G by the last order (tail included): above `Quality::tolerance` only if the orders ran
+    /// Largest relative change of G by the last order (tail included, dark texels counted less): above `Quality::tolerance` only if the orders ran
     /// out first.
     pub fn last_change(&self) -> f64 {
         self.last_change

@@ -21,10 +21,12 @@ pub struct Quality {
     pub cumulative_cells: usize,
     /// Samples in the lit part of a ray, first order. Too few: deep twilight is off by tens of percent.
     pub lit_samples: usize,
-    /// No more orders of scattering than this; 0: no multiple scattering, a black sky by the table. Clear air needs 4 to
-    /// 5, haze 6, Titan 12, the clouds of Venus more.
+    /// No more orders of scattering than this; 0: the table stays empty, [`radiance`] gives the first order alone. Clear
+    /// air needs 6, haze 8, Mars 8, a Titan-like haze 19; thicker media run into the limit and keep a geometric tail.
+    ///
+    /// [`radiance`]: super::radiance
     pub max_orders: usize,
-    /// The orders end when the last changed no G, tail included, by more than this share.
+    /// The orders end when the last changed no G, tail included, by more than this share (deep twilight counts less).
     pub tolerance: f64,
     /// Legendre moments of the aerosols' phase functions. Too few: see [`Moments::peak_remainder`]. More than 256 exceed
     /// what [`Phase::legendre_moments`] resolves.

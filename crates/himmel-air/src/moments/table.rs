@@ -7,6 +7,11 @@ use crate::geometry::excess;
 /// Smallest G that is stored: keeps the logarithm finite. Far darker than any night.
 pub(super) const FLOOR: f64 = 1e-30;
 
+/// What stands on the floor is nothing. The tenth above it covers the rounding of its logarithm to half floats.
+pub(super) fn lit(light: f64) -> f64 {
+    if light > 1.1 * FLOOR { light } else { 0.0 }
+}
+
 /// Six moments at N wavelengths: G, F_x, F_z, Q_xx, Q_zz, Q_xz.
 pub(super) type Six<const N: usize> = [[f64; N]; 6];
 
@@ -141,9 +146,7 @@ impl<const N: usize> Table<N> {
             }
         }
         for k in 0..N {
-            // What stands on the floor is nothing.
-            let g = moments[0][k].exp() * fade;
-            let g = if g > FLOOR { g } else { 0.0 };
+            let g = lit(moments[0][k].exp() * fade);
             moments[0][k] = g;
             for m in 1..6 {
                 moments[m][k] *= g;
