@@ -13,7 +13,8 @@ use super::optics::Optics;
 use super::rays::{Path, Sizes};
 use super::table::{Mapping, Six, Table};
 
-/// Suns lower than this beneath the local horizon get the finer set of directions.
+/// Suns lower than this get the finer set of directions. (Below the level, not the horizon: high up the arch of
+/// twilight is thin as soon as the Sun has set.)
 const DEEP_RAD: f64 = -8.0 * PI / 180.0;
 
 /// What all rows need to know.
@@ -92,11 +93,11 @@ impl<const N: usize> Scene<'_, N> {
     fn fill(&self, row: &Row<N>, radiance: impl Fn(&Path<N>, f64, f64) -> [f64; N]) -> Filled<N> {
         let suns = self.map.suns(row.altitude_m);
         let columns = self.map.columns;
+        let deep = DEEP_RAD.sin();
         let sun = |column: usize| {
             let mu_s = suns.mu_s(column as f64 / (columns - 1) as f64);
             let sin_s = (1.0 - mu_s * mu_s).max(0.0).sqrt();
-            let deep = suns.above_horizon_rad(mu_s) < DEEP_RAD;
-            let Directions { rays, azimuths } = if deep { &row.deep } else { &row.day };
+            let Directions { rays, azimuths } = if mu_s < deep { &row.deep } else { &row.day };
             let (mut six, mut from_above) = ([[0.0; N]; 6], [0.0; N]);
             for (path, sin, weight) in rays {
                 let z = path.mu;

@@ -49,9 +49,11 @@ const EVEN_SLANT: f64 = 0.1;
 ///
 /// From any altitude: within the air, or from space (0 if the ray misses the air). `steps`: cells, 32 for the recipe.
 ///
-///     S:  L = ∫T′[ σ_R (p_R T′_s + M′_R) + (1−f) σ_M (p′ T′_s + M′_M) ] dt + ∫T′ T′_s σ_M B_S(θ, τ_sun + τ_view) dt + T′ ground
-///     U:  L = ∫T [ σ_R (p_R T′_s + M_R) + σ_M (B_U(θ, τ_sun) T′_s + M_M) ] dt + T ground
-///     L = β S + (1−β) U,   β = ⟨|z|/(|z| + 0.1)⟩ over the ray with weight T σ_M
+/// ```text
+/// S:  L = ∫T′[ σ_R (p_R T′_s + M′_R) + (1−f) σ_M (p′ T′_s + M′_M) ] dt + ∫T′ T′_s σ_M B_S(θ, τ_sun + τ_view) dt + T′ ground
+/// U:  L = ∫T [ σ_R (p_R T′_s + M_R) + σ_M (B_U(θ, τ_sun) T′_s + M_M) ] dt + T ground
+/// L = β S + (1−β) U,   β = ⟨|z|/(|z| + 0.1)⟩ over the ray with weight T σ_M
+/// ```
 ///
 /// R: molecules.  M: aerosols.  T: transmittance from the observer, T_s: to the Sun; primes: of the scaled medium.
 /// p: phase function, p′ its polynomial.  M_X: what X scatters of the table's light.  B_S, B_U, τ: see `peak.rs`.

@@ -10,8 +10,10 @@ use super::optics::{Optics, Scatterer};
 
 /// Corrections B_S and B_U of one component over scattering angle and optical depth of the peak.
 ///
-///     B_S = e^(−τ) (p − (1−f) p′) + Σ (2l+1)/4π r_l ((e^(−τ(1−χ_l^F)) − e^(−τ))/(τ χ_l^F) − e^(−τ)) P_l
-///     B_U = e^(−τ) p             + Σ (2l+1)/4π χ_l (e^(−τ(1−χ_l^F)) − e^(−τ)) P_l
+/// ```text
+/// B_S = e^(−τ) (p − (1−f) p′) + Σ (2l+1)/4π r_l ((e^(−τ(1−χ_l^F)) − e^(−τ))/(τ χ_l^F) − e^(−τ)) P_l
+/// B_U = e^(−τ) p             + Σ (2l+1)/4π χ_l (e^(−τ(1−χ_l^F)) − e^(−τ)) P_l
+/// ```
 ///
 /// p: the component's phase function, exact, evaluated by the reader.  r_l: moments of p − (1−f) p′ (f up to l = 3,
 /// χ_l above).  χ_l^F: moments of the peak that the beam meets on its way, 1 up to l = 3: the peaks of all components,

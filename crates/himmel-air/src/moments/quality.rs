@@ -10,7 +10,7 @@ pub struct Quality {
     pub columns: usize,
     /// Directions of the sums by day: above the horizon, below it, azimuths over half a circle.
     pub directions: [usize; 3],
-    /// The same for Suns more than 8° under the local horizon, when only an arch of the sky is lit. Too few: deep
+    /// The same for Suns more than 8° under the level, when only an arch of the sky is lit. Too few: deep
     /// twilight is uneven.
     pub deep_directions: [usize; 3],
     /// Cells of the march that prepares a ray.

@@ -85,11 +85,6 @@ impl Suns {
         let x = CENTRE_RAD + WIDTH_RAD * (self.a + u * (self.b - self.a)).sinh();
         (x - self.dip_rad).clamp(-FRAC_PI_2, FRAC_PI_2).sin()
     }
-
-    /// The Sun's elevation above the local horizon, rad.
-    pub fn above_horizon_rad(&self, mu_s: f64) -> f64 {
-        mu_s.clamp(-1.0, 1.0).asin() + self.dip_rad
-    }
 }
 
 /// Moments over altitude and Sun: ln G and the ratios to G of the five others, which interpolate better than they.
