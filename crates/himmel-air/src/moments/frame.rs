@@ -50,7 +50,8 @@ const EVEN_SLANT: f64 = 0.1;
 /// From any altitude: within the air, or from space (0 if the ray misses the air). `steps`: cells, 32 for the recipe.
 ///
 /// ```text
-/// S:  L = ∫T′[ σ_R (p_R T′_s + M′_R) + (1−f) σ_M (p′ T′_s + M′_M) ] dt + ∫T′ T′_s σ_M B_S(θ, τ_sun + τ_view) dt + T′ ground
+/// S:  L = ∫T′[ σ_R (p_R T′_s + M′_R) + (1−f) σ_M (p′ T′_s + M′_M) ] dt
+///       + ∫T′ T′_s σ_M B_S(θ, τ_sun + τ_view) dt + T′ ground
 /// U:  L = ∫T [ σ_R (p_R T′_s + M_R) + σ_M (B_U(θ, τ_sun) T′_s + M_M) ] dt + T ground
 /// L = β S + (1−β) U,   β = ⟨|z|/(|z| + 0.1)⟩ over the ray with weight T σ_M
 /// ```

@@ -1,8 +1,8 @@
 //! Light scattered many times: six moments of the radiance field over altitude and Sun, and the sky that follows.
 //!
-//! The field of light at a point, `L(ω)`, matters to scattering only through its moments up to l = 2, if phase functions
-//! end there: molecules' do, and aerosols' do once their forward peak counts as not scattered (delta-M [wiscombe1977]).
-//! So the whole problem of multiple scattering is a table over altitude and the Sun's zenith angle of
+//! The field of light at a point, `L(ω)`, matters to scattering only through its moments up to l = 2, if phase
+//! functions end there: molecules' do, and aerosols' do once their forward peak counts as not scattered (delta-M
+//! [wiscombe1977]). So the whole problem of multiple scattering is a table over altitude and the Sun's zenith angle of
 //!
 //! G = ∫L dω,  F = ∫L ω dω,  Q = ∫L (ωωᵀ − I/3) dω   (ω: direction of travel; z up, x towards the Sun's azimuth)
 //!
@@ -26,8 +26,12 @@
 //! # Ok::<(), himmel_air::AirError>(())
 //! ```
 //!
-//! What it leaves out: polarisation, refraction, a finite Sun, terrain. Known to look wrong: see `moment-tables.md` of
-//! the project's specification: the zenith of Mars with the Sun at the horizon, thick haze near a low Sun.
+//! What it leaves out: polarisation, refraction, a finite Sun, terrain. With several aerosols the peak that widens the
+//! beam is their mean by vertical column, at all altitudes.
+//!
+//! Known to look wrong: the zenith of Mars with the Sun at the horizon, and thick haze near a low Sun (the forward
+//! peak); beneath the clouds of Venus orders fade so slowly that 80 of them are too few: [`Moments::last_change`] stays
+//! above the tolerance. The limb of the night side from space, 1e-8 of sunlight, is uncertain by several percent.
 
 mod build;
 mod frame;
@@ -181,8 +185,8 @@ impl<const N: usize> Moments<N> {
         self.orders
     }
 
-    /// Largest relative change of G by the last order (tail included, dark texels counted less): above `Quality::tolerance` only if the orders ran
-    /// out first.
+    /// Largest relative change of G by the last order (tail included, dark texels counted less): above
+    /// `Quality::tolerance` only if the orders ran out first.
     pub fn last_change(&self) -> f64 {
         self.last_change
     }

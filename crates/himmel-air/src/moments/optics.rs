@@ -19,7 +19,8 @@ pub(super) struct Scatterer<const N: usize> {
     pub chi: [[f64; N]; 2],
     /// (χ₁ − f) / (1 − f) and (χ₂ − f) / (1 − f).
     pub scaled_chi: [[f64; N]; 2],
-    /// Moments of (p − (1 − f) p′): what the polynomial p′ leaves, l = 0, 1, …; empty for molecules, which leave nothing.
+    /// Moments of (p − (1 − f) p′): what the polynomial p′ leaves, l = 0, 1, …; empty for molecules, which leave
+    /// nothing.
     pub rest: Vec<[f64; N]>,
     /// All χ_l, in the same order; empty for molecules.
     pub all_chi: Vec<[f64; N]>,

@@ -19,8 +19,8 @@ use super::optics::{Optics, Scatterer};
 /// χ_l above).  χ_l^F: moments of the peak that the beam meets on its way, 1 up to l = 3: the peaks of all components,
 /// weighted by their vertical columns of peak scattering.  τ: optical depth of the peaks, f σ_s.
 ///
-/// For one aerosol (r_l = f χ_l^F) these are the sums of `moment-tables.md`. Written as what is added to the exact phase
-/// function they converge as χ_l² and not as χ_l, and vanish in thin air. The table holds the sums divided by
+/// For one aerosol (r_l = f χ_l^F) these are the sums of `moment-tables.md`. Written as what is added to the exact
+/// phase function they converge as χ_l² and not as χ_l, and vanish in thin air. The table holds the sums divided by
 /// (1 − e^(−τ)), which makes them smooth at τ = 0.
 #[derive(Clone, Debug)]
 struct Corrections<const N: usize> {

@@ -3,8 +3,8 @@
 /// Sizes of the moment table and of the sums that fill it. The default is the measured recipe of `moment-tables.md`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quality {
-    /// Rows of the table, over altitude. Too few: the sky from an aeroplane is a little too bright or dark; 24 are nearly
-    /// as good as 32.
+    /// Rows of the table, over altitude. Too few: the sky from an aeroplane is a little too bright or dark; 24 are
+    /// nearly as good as 32.
     pub rows: usize,
     /// Columns, over the Sun. Too few: twilight fades in steps; 48 are nearly as good as 64.
     pub columns: usize,
@@ -21,15 +21,18 @@ pub struct Quality {
     pub cumulative_cells: usize,
     /// Samples in the lit part of a ray, first order. Too few: deep twilight is off by tens of percent.
     pub lit_samples: usize,
-    /// No more orders of scattering than this; 0: the table stays empty, [`radiance`] gives the first order alone. Clear
-    /// air needs 6, haze 8, Mars 8, a Titan-like haze 19; thicker media run into the limit and keep a geometric tail.
+    /// No more orders of scattering than this; 0: the table stays empty, [`radiance`] gives the first order alone.
+    /// Clear air needs 6, haze and Mars 8, `titan-reference` 19, `titan` 66 (with 30,
+    /// parts of its sky are off by 20 to 27 %). What runs into the limit keeps a geometric tail, and
+    /// [`Moments::last_change`] says so.
     ///
+    /// [`Moments::last_change`]: super::Moments::last_change
     /// [`radiance`]: super::radiance
     pub max_orders: usize,
     /// The orders end when the last changed no G, tail included, by more than this share (deep twilight counts less).
     pub tolerance: f64,
-    /// Legendre moments of the aerosols' phase functions. Too few: see [`Moments::peak_remainder`]. More than 256 exceed
-    /// what [`Phase::legendre_moments`] resolves.
+    /// Legendre moments of the aerosols' phase functions. Too few: see [`Moments::peak_remainder`]. More than 256
+    /// exceed what [`Phase::legendre_moments`] resolves.
     ///
     /// [`Moments::peak_remainder`]: super::Moments::peak_remainder
     /// [`Phase::legendre_moments`]: crate::Phase::legendre_moments
@@ -53,7 +56,7 @@ impl Default for Quality {
             cells: 16,
             cumulative_cells: 128,
             lit_samples: 24,
-            max_orders: 30,
+            max_orders: 80,
             tolerance: 1e-3,
             legendre_terms: 192,
             peak_angles: 128,

@@ -141,7 +141,8 @@ impl<const N: usize> Path<N> {
             moment.push(moment.last().copied().unwrap_or(0.0) + weight * middle);
         }
         let mut path = Self { mu, end, ground, through, cells: Vec::new(), cumulative: Vec::new() };
-        // How much of each wavelength's scattered light a cell holds, averaged over the wavelengths that scatter at all.
+        // How much of each wavelength's scattered light a cell holds, averaged over the wavelengths that scatter at
+        // all.
         let total = running[0];
         let amount = |i: usize| -> f64 {
             let share = |k: usize| if total[k] > 0.0 { (sums[i + 1][0][k] - sums[i][0][k]) / total[k] } else { 0.0 };

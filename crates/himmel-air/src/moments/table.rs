@@ -52,10 +52,11 @@ impl Mapping {
 
     /// How the columns lie at an altitude.
     ///
-    /// u = (asinh((x − x₀)/w) − a)/(b − a) with x = asin µ_s + dip, a = asinh((−X − x₀)/w), b = asinh((π/2 + dip − x₀)/w)
+    /// u = (asinh((x − x₀)/w) − a)/(b − a) with x = asin µ_s + dip,
+    /// a = asinh((−X − x₀)/w), b = asinh((π/2 + dip − x₀)/w)
     ///
-    /// dip: how far the horizon lies below the level, rad.  X: depth of the lowest Sun, 2.5 times the depth at which the
-    /// top of the air over the ground loses it, or the nadir.
+    /// dip: how far the horizon lies below the level, rad.  X: depth of the lowest Sun, 2.5 times the depth at which
+    /// the top of the air over the ground loses it, or the nadir.
     pub fn suns(&self, altitude_m: f64) -> Suns {
         let altitude_m = altitude_m.clamp(0.0, self.top_m);
         let dip_rad = (excess(self.radius_m, altitude_m).sqrt() / (self.radius_m + altitude_m)).min(1.0).asin();
@@ -118,7 +119,8 @@ impl<const N: usize> Table<N> {
         Self { mapping, texels }
     }
 
-    /// The moments at a row coordinate and a column coordinate with its fade: bilinear in what is stored, then multiplied.
+    /// The moments at a row coordinate and a column coordinate with its fade: bilinear in what is stored, then
+    /// multiplied.
     pub fn at(&self, row: f64, (u, fade): (f64, f64)) -> Six<N> {
         let (rows, columns) = (self.mapping.rows, self.mapping.columns);
         let column = u * (columns - 1) as f64;
