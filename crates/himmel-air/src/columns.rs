@@ -12,6 +12,8 @@ use crate::medium::{Medium, Sampled};
 pub struct Columns {
     bottom_radius_m: f64,
     top_altitude_m: f64,
+    width: usize,
+    height: usize,
     /// ln of the column in metres, `[component][y][x]`.
     log_columns: Vec<Vec<f64>>,
 }
@@ -54,45 +56,61 @@ pub fn columns_by_quadrature(medium: &Medium, altitude_m: f64, mu: f64, rule: &[
 }
 
 impl Columns {
-    /// Integrates the table.
+    /// Integrates the table, [`WIDTH`] × [`HEIGHT`].
     pub fn new(medium: &Medium) -> Self {
+        Self::with_size(medium, WIDTH, HEIGHT)
+    }
+
+    /// A table of another size (at least 2 × 2): for measuring what the usual size costs.
+    pub fn with_size(medium: &Medium, width: usize, height: usize) -> Self {
+        let (width, height) = (width.max(2), height.max(2));
         let rule = gauss_legendre_unit(NODES);
-        let mut log_columns = vec![vec![0.0; WIDTH * HEIGHT]; medium.components.len()];
-        for y in 0..HEIGHT {
-            for x in 0..WIDTH {
-                let (u, v) = (x as f64 / (WIDTH - 1) as f64, y as f64 / (HEIGHT - 1) as f64);
+        let mut log_columns = vec![vec![0.0; width * height]; medium.components.len()];
+        for y in 0..height {
+            for x in 0..width {
+                let (u, v) = (x as f64 / (width - 1) as f64, y as f64 / (height - 1) as f64);
                 let (altitude_m, mu) = depth_table_ray(medium.bottom_radius_m, medium.top_altitude_m, u, v);
                 let columns = columns_by_quadrature(medium, altitude_m, mu, &rule);
                 for (table, column) in log_columns.iter_mut().zip(columns) {
-                    table[y * WIDTH + x] = column.max(FLOOR_M).ln();
+                    table[y * width + x] = column.max(FLOOR_M).ln();
                 }
             }
         }
-        Self { bottom_radius_m: medium.bottom_radius_m, top_altitude_m: medium.top_altitude_m, log_columns }
+        let (bottom_radius_m, top_altitude_m) = (medium.bottom_radius_m, medium.top_altitude_m);
+        Self { bottom_radius_m, top_altitude_m, width, height, log_columns }
     }
 
     /// The column of one component at a node of the table, metres.
     pub fn node_m(&self, component: usize, x: usize, y: usize) -> f64 {
-        self.log_columns[component][y * WIDTH + x].exp()
+        self.log_columns[component][y * self.width + x].exp()
     }
 
     /// Optical depth to space. Directions below the horizon are taken as the horizon: the caller decides about shadow.
     pub fn optical_depth<const N: usize>(&self, air: &Sampled<'_, N>, altitude_m: f64, mu: f64) -> [f64; N] {
+        let mut depth = [0.0; N];
+        self.for_each_column(altitude_m, mu, |component, column_m| {
+            if let Some(component) = air.components.get(component) {
+                for i in 0..N {
+                    depth[i] += column_m * component.extinction_per_m[i];
+                }
+            }
+        });
+        depth
+    }
+
+    /// Calls `f` with the index of each component and its column to space in metres. Directions below the horizon are
+    /// taken as the horizon.
+    pub fn for_each_column(&self, altitude_m: f64, mu: f64, mut f: impl FnMut(usize, f64)) {
         let altitude_m = altitude_m.clamp(0.0, self.top_altitude_m);
         let mu = mu.max(horizon_cosine(self.bottom_radius_m, altitude_m));
         let (u, v) = depth_table_uv(self.bottom_radius_m, self.top_altitude_m, altitude_m, mu);
-        let (x, y) = (u * (WIDTH - 1) as f64, v * (HEIGHT - 1) as f64);
-        let (x0, y0) = ((x as usize).min(WIDTH - 2), (y as usize).min(HEIGHT - 2));
+        let (x, y) = (u * (self.width - 1) as f64, v * (self.height - 1) as f64);
+        let (x0, y0) = ((x as usize).min(self.width - 2), (y as usize).min(self.height - 2));
         let (fx, fy) = (x - x0 as f64, y - y0 as f64);
-        let mut depth = [0.0; N];
-        for (table, component) in self.log_columns.iter().zip(&air.components) {
-            let row = |y: usize| table[y * WIDTH + x0] * (1.0 - fx) + table[y * WIDTH + x0 + 1] * fx;
-            let column = (row(y0) * (1.0 - fy) + row(y0 + 1) * fy).exp();
-            for i in 0..N {
-                depth[i] += column * component.extinction_per_m[i];
-            }
+        for (component, table) in self.log_columns.iter().enumerate() {
+            let row = |y: usize| table[y * self.width + x0] * (1.0 - fx) + table[y * self.width + x0 + 1] * fx;
+            f(component, (row(y0) * (1.0 - fy) + row(y0 + 1) * fy).exp());
         }
-        depth
     }
 }
 

@@ -25,6 +25,7 @@ pub mod light;
 pub mod lognormal;
 pub mod medium;
 pub mod mie;
+pub mod moments;
 pub mod params;
 pub mod phase;
 pub mod preset;

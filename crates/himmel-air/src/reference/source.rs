@@ -37,7 +37,7 @@ impl<const N: usize> Source<N> {
     pub(super) fn check(&self) -> Result<(), AirError> {
         let error = |what: &str, law, got| Err(AirError::Optics { what: what.into(), law, got });
         let length = self.direction.length();
-        if !((length - 1.0).abs() < 1e-6) {
+        if length.is_nan() || (length - 1.0).abs() > 1e-6 {
             return error("direction of a light", "be a unit vector", length);
         }
         // A quarter of the sky: beyond, a disc has no centre to aim at.

@@ -157,7 +157,7 @@ impl<const N: usize> Tracer<N> {
             return error("altitude", "lie in 0..=1e12 m, above the ground", altitude_m);
         }
         let length = direction.length();
-        if !((length - 1.0).abs() < 1e-6) {
+        if length.is_nan() || (length - 1.0).abs() > 1e-6 {
             return error("direction of view", "be a unit vector", length);
         }
         let direction = direction / length;
