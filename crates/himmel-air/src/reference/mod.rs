@@ -3,6 +3,7 @@
 mod first;
 mod flight;
 mod flux;
+mod forward;
 mod importance;
 mod line;
 mod lobe;
@@ -11,9 +12,12 @@ mod parallel;
 mod path;
 mod random;
 mod source;
+#[cfg(test)]
+mod tests;
 mod tracer;
 
 pub use flux::Side;
+pub use forward::Photons;
 pub use parallel::for_each_parallel;
 pub use path::ORDERS;
 pub use source::Source;
