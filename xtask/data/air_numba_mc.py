@@ -1,8 +1,9 @@
 #!/usr/bin/env python3.11
-"""Writes tests/truth/air_numba_mc.csv: twilight over `bruneton2017`, by a backward Monte Carlo in spherical shells.
+"""Writes tests/truth/air_numba_mc.csv and air_numba_mc_day.csv: the sky of `bruneton2017` by a backward Monte Carlo in a sphere.
 
 Needs:  pip install numba==0.68.1 numpy==2.4.6
 Run:    python3.11 xtask/data/air_numba_mc.py              (from the repository root; about twelve minutes of one core)
+        python3.11 xtask/data/air_numba_mc.py day          (the second table; four minutes)
         python3.11 xtask/data/air_numba_mc.py check        (first order by quadrature; depth towards the Sun; flat air)
 
 Written apart from himmel's reference tracer and by other means: null collisions. A flight proposes collisions with a
@@ -297,6 +298,30 @@ class Tracer:
         return mean, np.sqrt(np.maximum(squares / paths - mean * mean, 0) / paths)
 
 
+HEAD = "altitude_m,sun_zenith_deg,view_zenith_deg,azimuth_deg,wavelength_nm,radiance_per_sr,standard_error_per_sr"
+
+
+def write_day(seconds):
+    """High Suns, views up and down; each view has the same time."""
+    rows = []
+    views = [(a, v) for a in [0, 10000, 30000] for v in [0, 30, 60, 80, 87] + ([100, 120, 150, 180] if a else [])]
+    for nm in [550, 440]:
+        tracer = Tracer(nm)
+        for altitude, view in views:
+            suns = [(z, a) for z in [0, 45, 70, 80, 85, 88] for a in ([0, 90, 180] if z and view % 180 else [0])]
+            tracer.radiance(altitude, view, suns, 10)
+            clock = time.process_time()
+            tracer.radiance(altitude, view, suns, 8000)
+            paths = int(8000 * seconds / 46 / (time.process_time() - clock))
+            mean, error = tracer.radiance(altitude, view, suns, paths, seed=nm * 1000 + view + altitude // 100 + 3)
+            for (z, a), m, e in zip(suns, mean, error):
+                if view or z:
+                    rows.append(f"{altitude},{z},{view},{a},{nm},{m:.6e},{e:.2e}")
+            print(nm, altitude, view, f"{paths} paths, worst error {100 * np.max(error / mean):.2f} %", flush=True)
+    (TRUTH / "air_numba_mc_day.csv").write_text("\n".join([HEAD, *rows]) + "\n")
+    print(f"{len(rows)} rows")
+
+
 def write(seconds):
     """Give each view the same time, three quarters of it to the Suns that lie deepest."""
     rows = []
@@ -321,8 +346,7 @@ def write(seconds):
                         rows.append(f"{altitude},{z},{view},{a},{nm},{m:.6e},{e:.2e}")
                     print(nm, altitude, view, zeniths, f"{paths} paths, {time.process_time() - clock:.0f} s, errors %",
                           np.array2string(100 * error / mean, precision=2, max_line_width=200), flush=True)
-    head = "altitude_m,sun_zenith_deg,view_zenith_deg,azimuth_deg,wavelength_nm,radiance_per_sr,standard_error_per_sr"
-    (TRUTH / "air_numba_mc.csv").write_text("\n".join([head, *rows]) + "\n")
+    (TRUTH / "air_numba_mc.csv").write_text("\n".join([HEAD, *rows]) + "\n")
     print(f"{len(rows)} rows, {time.time() - start:.0f} s")
 
 
@@ -391,5 +415,7 @@ def check():
 if __name__ == "__main__":
     if "check" in sys.argv:
         check()
+    elif "day" in sys.argv:
+        write_day(200.0)
     else:
-        write(float(sys.argv[1]) if len(sys.argv) > 1 else 600.0)
+        write(660.0)

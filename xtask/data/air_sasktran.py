@@ -1,16 +1,17 @@
 #!/usr/bin/env python3.11
-"""Writes tests/truth/air_sasktran_*.csv: radiance of spherical air by day, by successive orders of scattering.
+"""Writes tests/truth/air_sasktran_*.csv: light scattered once in spherical air.
 
 Needs:  pip install sasktran2==2026.10.1 numpy==2.4.6
-Run:    python3.11 xtask/data/air_sasktran.py              (from the repository root)
+Run:    python3.11 xtask/data/air_sasktran.py              (from the repository root; two minutes)
         python3.11 xtask/data/air_sasktran.py converge     (the figures of tests/truth/SOURCE.md)
+        python3.11 xtask/data/air_sasktran.py multiple     (why the orders beyond the first are left out)
 
-`bruneton2017` and `earth-haze` on their sphere, scalar, without refraction: exact single scattering along the ray, all further
-orders from columns of sources at several Sun zeniths. Extinction, albedo and moments are given on a grid of altitudes and
+`bruneton2017` and `earth-haze` on their sphere, scalar, without refraction: the program's exact single scattering along the
+ray, and sunlight reflected once by the ground. Extinction, albedo and 96 moments are given on a grid of altitudes and
 interpolated linearly by the program.
 
-Only by day: in this version, columns whose Sun stands below about 89 degrees of zenith give 1e7 to 1e80 times too much
-(`SuccessiveOrders`) or NaN (`SuccessiveOrdersLegacy`), so rays that pass through such columns are left out.
+Its multiple scattering (`SuccessiveOrders`, and `SuccessiveOrdersLegacy`) is no truth for us: it does not converge to the plane-parallel
+limit nor to the Monte Carlo of air_numba_mc.py when the Sun is low (tests/truth/SOURCE.md has the figures), whatever the knobs.
 """
 
 import sys
@@ -24,8 +25,8 @@ TRUTH = Path(__file__).resolve().parents[2] / "tests/truth"
 RADIUS, TOP, ALBEDO = 6360e3, 60e3, 0.1
 WAVELENGTHS_NM = np.array([680, 550, 440])
 OZONE_M2 = np.array([1.209e-25, 3.5e-25, 1.582e-26])
-MOMENTS = 64
-KNOBS = dict(altitudes=400, sources=40, columns=3, incoming=590, outgoing=194)
+MOMENTS = 96
+ALTITUDES = 600
 
 
 def cornette_shanks(g):
@@ -58,7 +59,7 @@ def grid(count, height):
     return np.unique(np.round(np.concatenate([even, [0, 10e3, 25e3, 40e3, TOP]]), 2))
 
 
-def solve(name, sun_deg, points, altitudes, sources, columns, incoming, outgoing, multiple=True):
+def solve(name, sun_deg, points, altitudes=ALTITUDES, multiple=False, sources=40, columns=3, incoming=110, outgoing=110):
     """Radiance: points x wavelengths."""
     ground, height, albedo, phase = AEROSOL[name]
     h = grid(altitudes, height)
@@ -94,47 +95,67 @@ def solve(name, sun_deg, points, altitudes, sources, columns, incoming, outgoing
 
 
 def queries(sun_deg):
-    for altitude in [0, 10000, 30000, 100000]:
-        views = [0, 30, 60, 80, 87] if altitude < TOP else []
-        if altitude:
-            views += [120, 150, 180]
+    for altitude in [0, 2000, 10000, 30000, 100000]:
+        views = [0, 30, 60, 80, 87, 89.5] if altitude < TOP else [99.5]
+        if altitude >= 10000:
+            views += [100, 120, 150, 180]
         for view in views:
             for azimuth in [0] if view in (0, 180) or sun_deg == 0 else [0, 45, 90, 180]:
                 if view != sun_deg or azimuth:
                     yield altitude, view, azimuth
 
 
+def sharp(sun_deg, view, azimuth, radiance):
+    """In twilight, rays along the edge of the planet's shadow are left out: their answer hangs on the steps."""
+    return sun_deg < 90 or radiance == 0 or (radiance > 1e-5 and (view, azimuth) != (89.5, 180))
+
+
 def write(name):
     rows = []
     start = time.time()
-    for sun_deg in [0, 30, 60, 75, 80]:
+    for sun_deg in [0, 30, 60, 75, 85, 89, 91, 93, 96]:
         points = list(queries(sun_deg))
-        answer = solve(name, sun_deg, points, **KNOBS)
+        answer = solve(name, sun_deg, points)
         for i, nm in enumerate(WAVELENGTHS_NM):
-            rows += [f"{a},{sun_deg},{v},{z},{nm},{r:.5e}" for (a, v, z), r in zip(points, answer[:, i])]
-        print(name, sun_deg, f"{time.time() - start:.0f} s", flush=True)
-    head = "altitude_m,sun_zenith_deg,view_zenith_deg,azimuth_deg,wavelength_nm,radiance_per_sr"
+            rows += [f"{a},{sun_deg},{v},{z},{nm},{r:.6e}" for (a, v, z), r in zip(points, answer[:, i])
+                     if sharp(sun_deg, v, z, r)]
+    head = "altitude_m,sun_zenith_deg,view_zenith_deg,azimuth_deg,wavelength_nm,first_order_per_sr"
     path = TRUTH / f"air_sasktran_{name.replace('-', '_')}.csv"
     path.write_text("\n".join([head, *rows]) + "\n")
-    print(f"{path}: {len(rows)} rows")
+    print(f"{path}: {len(rows)} rows, {time.time() - start:.0f} s")
 
 
-def converge(name, sun_deg):
-    points = list(queries(sun_deg))
-    final = solve(name, sun_deg, points, **KNOBS)
-    for knob in [dict(altitudes=200), dict(incoming=302), dict(outgoing=434), dict(columns=5), dict(sources=20),
-                 dict(incoming=1202)]:
-        start = time.time()
-        change = np.abs(solve(name, sun_deg, points, **{**KNOBS, **knob}) / final - 1)
-        worst = np.unravel_index(np.argmax(change), change.shape)
-        print(f"{name}, Sun {sun_deg}: {knob}: median {np.median(change):.1e}, 95 % {np.quantile(change, 0.95):.1e}, worst "
-              f"{change[worst]:.1e} at {points[worst[0]]} {WAVELENGTHS_NM[worst[1]]} nm, {time.time() - start:.0f} s", flush=True)
+def converge():
+    for name in AEROSOL:
+        for sun_deg in [60, 91]:
+            points = list(queries(sun_deg))
+            final = solve(name, sun_deg, points)
+            for altitudes in [300, 1200]:
+                answer = solve(name, sun_deg, points, altitudes)
+                lit = final > 1e-9
+                change = np.where(lit, np.abs(answer / np.where(lit, final, 1) - 1), 0)
+                worst = np.unravel_index(np.argmax(change), change.shape)
+                print(f"{name}, Sun {sun_deg}, {altitudes} altitudes: median {np.median(change[lit]):.1e}, worst "
+                      f"{change[worst]:.1e} at {points[worst[0]]} {WAVELENGTHS_NM[worst[1]]} nm", flush=True)
+
+
+def multiple():
+    """All orders towards the zenith, from the ground; the plane-parallel radiance of air_disort_bruneton2017.csv beside them."""
+    flat = {}
+    for line in (TRUTH / "air_disort_bruneton2017.csv").read_text().splitlines()[1:]:
+        f = [float(x) for x in line.split(",")]
+        flat[tuple(f[:5])] = f[5]
+    for sun_deg in [30, 60, 75, 85, 91]:
+        for knobs in [dict(), dict(incoming=302), dict(outgoing=302), dict(columns=5), dict(sources=80)]:
+            answer = solve("bruneton2017", sun_deg, [(0, 0, 0)], 120, True, **knobs)[0]
+            print(sun_deg, knobs, answer, [flat.get((0, sun_deg, 0, 0, nm)) for nm in WAVELENGTHS_NM], flush=True)
 
 
 if __name__ == "__main__":
     if "converge" in sys.argv:
-        for name, sun in [("bruneton2017", 60), ("earth-haze", 60), ("bruneton2017", 80)]:
-            converge(name, sun)
+        converge()
+    elif "multiple" in sys.argv:
+        multiple()
     else:
-        for name in sys.argv[1:] or AEROSOL:
+        for name in AEROSOL:
             write(name)
