@@ -1,0 +1,97 @@
+//! `cargo xtask accuracy`: how far results are from those of others, as tables for `docs/`.
+
+mod colour;
+mod moments;
+mod reference;
+
+use std::fmt::Write as _;
+
+use glam::DVec3;
+
+/// What it does.
+pub const USAGE: &str =
+    "cargo xtask accuracy reference [--quick] [--output FILE.md]   the tracer against other programs and laws
+cargo xtask accuracy moments [--quick] [--output FILE.md]     the moment solver and Hillaire 2020 against the tracer
+cargo xtask accuracy colour [--quick] [--output FILE.md]      four wavelengths and sharp channels against full spectra";
+
+/// How much work.
+#[derive(Clone, Copy)]
+pub struct Work {
+    /// A tenth of it, to see that it runs.
+    pub quick: bool,
+}
+
+impl Work {
+    /// That many, or a tenth.
+    pub fn count(self, full: u64) -> u64 {
+        if self.quick { (full / 10).max(1) } else { full }
+    }
+}
+
+/// Runs one table.
+pub fn run(args: &[String]) -> Result<(), String> {
+    let (mut work, mut output, mut what) = (Work { quick: false }, None, None);
+    let mut words = args.iter();
+    while let Some(word) = words.next() {
+        match word.as_str() {
+            "--quick" => work.quick = true,
+            "--output" => output = Some(words.next().ok_or("--output takes a file")?.clone()),
+            name if what.is_none() && !name.starts_with('-') => what = Some(name.to_owned()),
+            other => return Err(format!("what is \"{other}\"?\n{USAGE}")),
+        }
+    }
+    let started = std::time::Instant::now();
+    let mut text = match what.as_deref() {
+        Some("reference") => reference::table(work)?,
+        Some("moments") => moments::table(work)?,
+        Some("colour") => colour::table(work)?,
+        _ => return Err(USAGE.into()),
+    };
+    let _ = writeln!(
+        text,
+        "\n`cargo xtask accuracy {}{}`, {:.0} s on {} threads.",
+        what.unwrap_or_default(),
+        if work.quick { " --quick" } else { "" },
+        started.elapsed().as_secs_f64(),
+        std::thread::available_parallelism().map_or(1, usize::from)
+    );
+    match output {
+        Some(path) => std::fs::write(&path, text).map_err(|error| format!("cannot write {path}: {error}")),
+        None => {
+            print!("{text}");
+            Ok(())
+        }
+    }
+}
+
+/// Unit vector of a view: zenith angle and azimuth from the Sun's, degrees; z is the zenith, the Sun over +x.
+pub fn view(zenith_deg: f64, azimuth_deg: f64) -> DVec3 {
+    let (zenith, azimuth) = (zenith_deg.to_radians(), azimuth_deg.to_radians());
+    DVec3::new(zenith.sin() * azimuth.cos(), zenith.sin() * azimuth.sin(), zenith.cos())
+}
+
+/// Numbers that are the same in every run (xorshift64*).
+pub struct Random(u64);
+
+impl Random {
+    /// Starts from a seed.
+    pub fn new(seed: u64) -> Self {
+        Self(seed.wrapping_mul(0x9e37_79b9_7f4a_7c15) | 1)
+    }
+
+    /// A number in low..high.
+    pub fn within(&mut self, low: f64, high: f64) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        let unit = (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64;
+        low + unit * (high - low)
+    }
+}
+
+/// A share 0..=1 of a list, sorted by size; 0 of an empty one.
+pub fn quantile(values: &mut [f64], share: f64) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let index = ((values.len() as f64 - 1.0) * share).round().max(0.0) as usize;
+    values.get(index).copied().unwrap_or(0.0)
+}
