@@ -70,15 +70,17 @@ fn plane_parallel_radiance_is_that_of_discrete_ordinates() {
         ("mars-reference", include_str!("air_disort_mars_reference.csv")),
     ] {
         let (mean, error, chi2) = against(preset, true, &rows(csv, 5), 4096);
-        assert!(mean.abs() < 2e-3 && mean.abs() < 4.0 * error && chi2 < 1.6, "{preset}: {mean} {error} {chi2}");
+        assert!(mean.abs() < 2e-3 + 3.0 * error && chi2 < 1.6, "{preset}: {mean} {error} {chi2}");
     }
 }
 
-/// Spherical twilight by a Monte Carlo of another kind (null collisions, analogue flights), Sun at 80–96°.
+/// Spherical air, day and twilight, by a Monte Carlo of another kind (null collisions, analogue flights): Sun at 0–96°.
 #[test]
-fn twilight_is_that_of_null_collisions() {
-    let (mean, error, chi2) = against("bruneton2017", false, &rows(include_str!("air_numba_mc.csv"), 2), 8192);
-    assert!(mean.abs() < 2e-3 + 3.0 * error && chi2 < 1.8, "{mean} {error} {chi2}");
+fn spherical_radiance_is_that_of_null_collisions() {
+    for (csv, every) in [(include_str!("air_numba_mc.csv"), 2), (include_str!("air_numba_mc_day.csv"), 6)] {
+        let (mean, error, chi2) = against("bruneton2017", false, &rows(csv, every), 8192);
+        assert!(mean.abs() < 2e-3 + 3.0 * error && chi2 < 1.8, "{mean} {error} {chi2}");
+    }
 }
 
 /// Flux on level surfaces, up and down, diffuse and direct: 0.3 % and the error of 32,768 paths.
@@ -103,8 +105,44 @@ fn plane_parallel_fluxes_are_those_of_discrete_ordinates() {
                 let error = (ours.value[0] - theirs).abs();
                 assert!(error <= 4.0 * ours.standard_error[0] + 3e-3 * theirs, "{preset} {row:?}: {ours:?}");
             }
-            assert!((direct / row[5] - 1.0).abs() < 1e-5, "{preset} {row:?}: {direct}");
+            // A planet a thousand times as large is not quite flat at 85°: tan² θ H/R of the depth, 4e-4.
+            let depth = (row[1].to_radians().cos() / row[5]).ln();
+            assert!((direct / row[5] - 1.0).abs() < 6e-4 * depth.max(1.0), "{preset} {row:?}: {direct}");
             true
         });
+    }
+}
+
+/// Light scattered once, or reflected once by the ground, in spherical air by `sasktran2`: no chance in it. The table is
+/// good to 2e-4 (haze 5e-4) with the Sun above the horizon and to 2e-3 below it,
+/// where single rays along the edge of the shadow differ by up to 1 %. (Ours is within 3e-6 of a plain sum of thousands of steps:
+/// `the_first_order_is_that_of_a_long_march`; single rays through opaque haze differ by 0.2 % from the table.)
+#[test]
+fn the_first_order_is_that_of_sasktran() {
+    for (preset, csv, tolerance) in [
+        ("bruneton2017", include_str!("air_sasktran_bruneton2017.csv"), 1e-3),
+        ("earth-haze", include_str!("air_sasktran_earth_haze.csv"), 5e-3),
+    ] {
+        let (mut rows, tracers) = (rows(csv, 4), tracers(preset, false));
+        rows.retain(|row| row[5] > 0.0);
+        let mut differences: Vec<(f64, usize)> = Vec::new();
+        let ask = |i: usize| {
+            let row = &rows[i];
+            let sources = [Source::at_zenith_angle(row[1].to_radians())];
+            at(&tracers, row[4]).first_order(&sources, row[0], view(row[2], row[3])).expect("a radiance")[0] / row[5]
+                - 1.0
+        };
+        for_each_parallel(rows.len(), ask, |i, difference| {
+            differences.push((difference.abs(), i));
+            true
+        });
+        differences.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (median, worst) = (differences[differences.len() / 2].0, differences[differences.len() - 1]);
+        println!("{preset}: {} points, median {median:.1e}, worst {:.1e} at {:?}", rows.len(), worst.0, rows[worst.1]);
+        assert!(median < 2e-4, "{preset}: {median}");
+        for (difference, i) in differences {
+            let bound = if rows[i][1] < 90.0 { tolerance } else { 1e-2 };
+            assert!(difference < bound, "{preset}: {difference} at {:?}", rows[i]);
+        }
     }
 }

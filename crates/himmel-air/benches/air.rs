@@ -3,11 +3,18 @@
 use std::hint::black_box;
 
 use criterion::{Criterion, criterion_group, criterion_main};
+use glam::DVec3;
 use himmel_air::colour::fit_xyz_from_four;
 use himmel_air::irradiance::{Directions, sky_irradiance};
 use himmel_air::mie::{Index, Mie};
+use himmel_air::moments::{Moments, Quality};
+use himmel_air::reference::{Effort, Source, Tracer};
 use himmel_air::single::{Ray, march};
 use himmel_air::{AirParams, Atmosphere, Columns, GroundParams, Preset, sun};
+
+/// Wavelengths of a spectral picture, nm.
+const SIXTEEN: [f64; 16] =
+    [390.0, 412.0, 434.0, 456.0, 478.0, 500.0, 522.0, 544.0, 566.0, 588.0, 610.0, 632.0, 654.0, 676.0, 698.0, 720.0];
 
 fn benches(c: &mut Criterion) {
     let preset = Preset::named("earth").expect("earth is compiled in");
@@ -28,12 +35,33 @@ fn benches(c: &mut Criterion) {
                 .sum::<f64>()
         })
     });
+    let tracer = Tracer::new(&medium.sampled(&[550.0])).expect("earth is a medium");
+    let spectral = Tracer::new(&medium.sampled(&SIXTEEN)).expect("earth is a medium");
+    let up = DVec3::new(0.6, 0.3, 0.55).normalize();
+    for zenith_deg in [60.0f64, 94.0] {
+        let sun = [Source::at_zenith_angle(zenith_deg.to_radians())];
+        let sun16 = [Source::at_zenith_angle(zenith_deg.to_radians())];
+        c.bench_function(&format!("reference, first order, Sun at {zenith_deg}°"), |b| {
+            b.iter(|| tracer.first_order(&sun, 0.0, black_box(up)))
+        });
+        let effort = Effort { samples: 1024, ..Effort::default() };
+        c.bench_function(&format!("reference, 1,024 paths, Sun at {zenith_deg}°"), |b| {
+            b.iter(|| tracer.radiance(&sun, 0.0, black_box(up), &effort, 0))
+        });
+        c.bench_function(&format!("reference, 1,024 paths, 16 wavelengths, Sun at {zenith_deg}°"), |b| {
+            b.iter(|| spectral.radiance(&sun16, 0.0, black_box(up), &effort, 0))
+        });
+    }
     let mut group = c.benchmark_group("after an edit");
     group.sample_size(10);
     group.bench_function("columns", |b| b.iter(|| Columns::new(black_box(medium))));
     group.bench_function("colour matrix", |b| {
         b.iter(|| fit_xyz_from_four(medium, &columns, sun::irradiance_w_m2_nm(), black_box(&four)))
     });
+    group.bench_function("moments, four wavelengths, recipe", |b| {
+        b.iter(|| Moments::build(&air, &columns, black_box(&Quality::default())))
+    });
+    group.bench_function("reference, one wavelength", |b| b.iter(|| Tracer::new(&medium.sampled(&[black_box(550.0)]))));
     group.bench_function("sky irradiance, one Sun", |b| {
         b.iter(|| sky_irradiance(&air, &columns, 0.0, black_box(0.3), Directions::TABLE))
     });

@@ -12,7 +12,8 @@ use glam::DVec3;
 pub const USAGE: &str =
     "cargo xtask accuracy reference [--quick] [--output FILE.md]   the tracer against other programs and laws
 cargo xtask accuracy moments [--quick] [--output FILE.md]     the moment solver and Hillaire 2020 against the tracer
-cargo xtask accuracy colour [--quick] [--output FILE.md]      four wavelengths and sharp channels against full spectra";
+cargo xtask accuracy colour [--quick] [--output FILE.md]      four wavelengths and sharp channels against full spectra
+cargo xtask accuracy grid [--quick]                           questions for `himmel radiance`, a grid over all geometries";
 
 /// How much work.
 #[derive(Clone, Copy)]
@@ -40,6 +41,10 @@ pub fn run(args: &[String]) -> Result<(), String> {
             other => return Err(format!("what is \"{other}\"?\n{USAGE}")),
         }
     }
+    if what.as_deref() == Some("grid") {
+        print!("{}", grid(work));
+        return Ok(());
+    }
     let started = std::time::Instant::now();
     let mut text = match what.as_deref() {
         Some("reference") => reference::table(work)?,
@@ -62,6 +67,28 @@ pub fn run(args: &[String]) -> Result<(), String> {
             Ok(())
         }
     }
+}
+
+/// Questions for `himmel radiance --input`: four altitudes, Suns from the zenith to 6° below the horizon, views from the
+/// zenith to half a degree above it, azimuths, three wavelengths.
+fn grid(work: Work) -> String {
+    let mut text = String::from("altitude_m,sun_zenith_deg,view_zenith_deg,azimuth_deg,wavelength_nm\n");
+    let mut count = 0;
+    for altitude_m in [0.0, 2e3, 10e3, 30e3] {
+        for sun in [0.0, 30.0, 60.0, 75.0, 85.0, 90.0, 92.0, 94.0, 96.0] {
+            for zenith in [0.0, 30.0, 60.0, 80.0, 87.0, 89.5] {
+                for azimuth in [0.0, 45.0, 90.0, 180.0] {
+                    for nm in [680.0, 550.0, 440.0] {
+                        count += 1;
+                        if !work.quick || count % 10 == 0 {
+                            let _ = writeln!(text, "{altitude_m},{sun},{zenith},{azimuth},{nm}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+    text
 }
 
 /// Unit vector of a view: zenith angle and azimuth from the Sun's, degrees; z is the zenith, the Sun over +x.

@@ -10,7 +10,7 @@ use himmel_core::spectrum::Spectrum;
 use super::{Work, view};
 
 /// Tables by others: name, preset, text, whether the planet is flat in it.
-const TABLES: [(&str, &str, &str, bool); 3] = [
+const TABLES: [(&str, &str, &str, bool); 4] = [
     (
         "PythonicDISORT, flat planet",
         "bruneton2017",
@@ -23,6 +23,7 @@ const TABLES: [(&str, &str, &str, bool); 3] = [
         include_str!("../../../tests/truth/air_disort_mars_reference.csv"),
         true,
     ),
+    ("null collisions (numba), day", "bruneton2017", include_str!("../../../tests/truth/air_numba_mc_day.csv"), false),
     ("null collisions (numba), twilight", "bruneton2017", include_str!("../../../tests/truth/air_numba_mc.csv"), false),
 ];
 
@@ -95,10 +96,12 @@ fn against_tables(work: Work, text: &mut String) -> Result<(), String> {
         let all: Vec<_> = differences.iter().collect();
         line(&all, program, text);
         eprintln!("{}", text.lines().last().unwrap_or_default());
-        let suns: &[f64] = if flat { &[0.0, 30.0, 60.0, 75.0, 85.0] } else { &[80.0, 90.0, 92.0, 94.0, 96.0] };
-        for sun in suns {
+        let mut suns: Vec<f64> = rows.iter().map(|row| row[1]).collect();
+        suns.sort_by(f64::total_cmp);
+        suns.dedup();
+        for sun in &suns {
             let some: Vec<_> = differences.iter().filter(|d| rows[d.2][1] == *sun).collect();
-            line(&some, &format!("Sun at {sun}°"), &mut classes);
+            line(&some, &format!("{program}, Sun at {sun}°"), &mut classes);
         }
     }
     text.push_str("\nThe same by the Sun's zenith angle:\n\n| class | preset | points | mean difference | its error | χ²/n | worst |\n|---|---|---|---|---|---|---|\n");
