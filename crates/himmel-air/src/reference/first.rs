@@ -138,7 +138,7 @@ fn points_for<const N: usize>(optics: &Optics<N>, line: &Line, source: &Source<N
     };
     // 60 radii: what curvature of a phase function adds over the disc falls below 1e-3 there.
     let far = distance > 60.0 * source.radius_rad;
-    if far && !grazes(0.0) && !grazes(line.end_m) {
+    if far && ![0.0, line.nearest_m(), line.end_m].into_iter().any(grazes) {
         return vec![(source.direction, [1.0; N])];
     }
     source.points()
