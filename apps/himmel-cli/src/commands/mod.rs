@@ -8,5 +8,7 @@ pub mod info;
 pub mod level;
 pub mod optics;
 pub mod params;
+pub mod radiance;
 pub mod render;
 pub mod scene;
+pub mod table;
