@@ -211,3 +211,58 @@ fn ctrl_c_keeps_finished_rows() {
     assert!(answers.iter().enumerate().all(|(i, row)| row["id"] == i.to_string()));
     assert_eq!(listing(folder.path()), ["a.csv", "q.csv"]);
 }
+
+/// `himmel light`: one measurement as JSON, a table over time, and what is refused.
+#[test]
+fn light_is_measured() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let common = ["light", "--place", "52.4,13.06,35", "--time", "2012-06-21T12:00Z"];
+    let ask = |more: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&succeed(folder.path(), &[&common[..], more].concat())).expect("JSON")
+    };
+    let value =
+        |answer: &serde_json::Value, name: &str| answer[name].as_f64().unwrap_or_else(|| panic!("{name}: {answer}"));
+    let first = ask(&["--solver", "first", "--json"]);
+    let all = ask(&["--samples", "1024", "--json"]);
+    assert_eq!(all, ask(&["--samples", "1024", "--json"]));
+    assert_eq!(first["spectrum"]["wavelength_nm"].as_array().map(Vec::len), Some(4));
+    assert_eq!(all["spectrum"]["sky_horizontal_w_m2_nm"].as_array().map(Vec::len), Some(16));
+    assert!(first["sky_illuminance_standard_error_lx"].is_null());
+    let (sky, error) = (value(&all, "sky_illuminance_lx"), value(&all, "sky_illuminance_standard_error_lx"));
+    assert!(sky > value(&first, "sky_illuminance_lx") && error > 0.0 && error < 0.2 * sky, "{sky} {error}");
+    let together = value(&all, "sun_horizontal_illuminance_lx") + sky;
+    assert!((value(&all, "horizontal_illuminance_lx") / together - 1.0).abs() < 1e-12);
+    assert!(succeed(folder.path(), &[&common[..], &["--solver", "first"]].concat()).contains("cd/m²"));
+
+    let span = ["--from", "2012-06-21T18:00Z", "--to", "2012-06-21T20:05Z", "--step", "30m", "--solver", "first"];
+    assert_eq!(succeed(folder.path(), &[&common[..], &span, &["-o", "dusk.csv"]].concat()), "");
+    let dusk = rows(&std::fs::read_to_string(folder.path().join("dusk.csv")).expect("a table"));
+    assert_eq!(dusk.len(), 5);
+    assert_eq!(dusk[4]["time_utc"], "2012-06-21T20:00:00Z");
+    assert!(
+        dusk.windows(2)
+            .all(|w| number(&w[0], "horizontal_illuminance_lx") > number(&w[1], "horizontal_illuminance_lx"))
+    );
+    assert!(dusk[0]["sky_illuminance_standard_error_lx"].is_empty());
+    let list = ask(&[&span[..], &["--json"]].concat());
+    assert_eq!(list.as_array().map(Vec::len), Some(5));
+
+    for (more, words) in [
+        (vec!["--samples", "1023"], "1024"),
+        (vec!["--solver", "gpu"], "moments"),
+        (vec!["--from", "2012-06-21T18:00Z"], "together"),
+        (vec!["--from", "2012-06-21T18:00Z", "--to", "2012-06-21T17:00Z", "--step", "1h"], "lies before"),
+        (vec!["--from", "2012-06-21T18:00Z", "--to", "2012-06-21T19:00Z", "--step", "0m"], "10m"),
+        (vec!["--from", "2012-06-21T18:00Z", "--to", "2012-06-21T19:00Z", "--step", "-5m"], "10m"),
+        (vec!["--from", "2012-06-21T18:00Z", "--to", "2012-06-21T19:00Z", "--step", "1 month"], "10m"),
+        (vec!["--from", "2012-01-01T00:00Z", "--to", "2012-12-31T00:00Z", "--step", "1s"], "100000 rows"),
+        (vec!["-o", "one.txt"], "--json"),
+        (vec!["--set", "air.aerosol=1"], "did you mean"),
+    ] {
+        let output = himmel(folder.path(), &[&common[..], &more].concat());
+        let error = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{more:?}: {error}");
+        assert!(error.contains(words), "{more:?}: {error} lacks {words}");
+        assert_eq!(listing(folder.path()), ["dusk.csv"]);
+    }
+}

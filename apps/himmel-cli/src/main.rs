@@ -41,6 +41,8 @@ enum Command {
     Optics(commands::optics::Args),
     /// Radiance along lines of sight, with all orders of scattering: one question, or a table of them.
     Radiance(commands::radiance::Args),
+    /// Illuminance by Sun and sky, zenith luminance, spectrum: for a place and time, or over time.
+    Light(commands::light::Args),
     /// Measure the renderer: medians per pass, memory of the tables.
     Bench(commands::bench::Args),
 }
@@ -136,6 +138,7 @@ fn main() -> ExitCode {
         Command::Eclipses(args) => commands::eclipses::run(&args, cli.quiet),
         Command::Optics(args) => commands::optics::run(&args, cli.quiet),
         Command::Radiance(args) => commands::radiance::run(&args, cli.quiet),
+        Command::Light(args) => commands::light::run(&args, cli.quiet),
         Command::Bench(args) => commands::bench::run(&args, cli.quiet),
     };
     match result {

@@ -6,6 +6,7 @@ pub mod eclipses;
 pub mod ephemeris;
 pub mod info;
 pub mod level;
+pub mod light;
 pub mod optics;
 pub mod params;
 pub mod radiance;
