@@ -71,7 +71,9 @@ fn check(folder: &std::path::Path, args: &[&str], words: &[&str]) {
 #[test]
 fn help_has_examples() {
     let folder = tempfile::tempdir().expect("a folder");
-    for command in ["render", "params", "info", "bench", "ephemeris", "almanac", "eclipses", "optics"] {
+    for command in
+        ["render", "params", "info", "bench", "ephemeris", "almanac", "eclipses", "optics", "radiance", "light"]
+    {
         let help = crate::succeed(folder.path(), &[command, "--help"]);
         assert!(help.contains("Examples:"), "{command}");
     }

@@ -39,6 +39,10 @@ enum Command {
     Eclipses(commands::eclipses::Args),
     /// Particles, gases and whole atmospheres: cross sections, optical depth, phase functions, plots.
     Optics(commands::optics::Args),
+    /// Radiance along lines of sight, with all orders of scattering: one question, or a table of them.
+    Radiance(commands::radiance::Args),
+    /// Illuminance by Sun and sky, zenith luminance, spectrum: for a place and time, or over time.
+    Light(commands::light::Args),
     /// Measure the renderer: medians per pass, memory of the tables.
     Bench(commands::bench::Args),
 }
@@ -133,6 +137,8 @@ fn main() -> ExitCode {
         Command::Almanac(args) => commands::almanac::run(&args, cli.quiet),
         Command::Eclipses(args) => commands::eclipses::run(&args, cli.quiet),
         Command::Optics(args) => commands::optics::run(&args, cli.quiet),
+        Command::Radiance(args) => commands::radiance::run(&args, cli.quiet),
+        Command::Light(args) => commands::light::run(&args, cli.quiet),
         Command::Bench(args) => commands::bench::run(&args, cli.quiet),
     };
     match result {

@@ -3,12 +3,11 @@
 use glam::{DVec3, DVec4};
 use himmel_core::colour::rec709_from_xyz;
 use himmel_core::interpolate::lerp;
-use himmel_core::spectrum::Spectrum;
 
 use crate::colour::{fit_xyz_from_four, rec709_rows};
 use crate::columns::{self, Columns};
 use crate::irradiance::{Directions, sky_irradiance, table_coordinate, table_elevation_rad};
-use crate::medium::{Class, Medium, Sampled};
+use crate::medium::{Medium, Sampled};
 use crate::params::{AirParams, GroundParams};
 use crate::preset::Preset;
 use crate::single::{March, Ray, enter, march};
@@ -30,23 +29,11 @@ impl Atmosphere {
     /// Applies the settings to the preset and integrates the tables.
     pub fn new(preset: &Preset, air: &AirParams, ground: &GroundParams) -> Self {
         let wavelengths_nm = air.wavelengths_nm();
-        let mut medium = preset.medium.clone();
-        let columns = Columns::new(&medium);
         // Fitted to the preset as it is: thinner or thicker air of the same kind keeps its matrix.
-        let xyz_from_four = fit_xyz_from_four(&medium, &columns, &preset.light_at_1_au_w_m2_nm(), &wavelengths_nm);
-        for component in &mut medium.components {
-            let factor = match component.class() {
-                Class::Molecules => air.molecules,
-                Class::Aerosols => air.aerosols,
-                Class::Absorbers => air.absorbers,
-            };
-            component.amount *= if air.enabled { factor } else { 0.0 };
-        }
-        if !ground.enabled {
-            medium.ground_albedo = Spectrum::Constant(0.0);
-        } else if let Some(albedo) = ground.albedo {
-            medium.ground_albedo = Spectrum::Constant(albedo);
-        }
+        let columns = Columns::new(&preset.medium);
+        let light = preset.light_at_1_au_w_m2_nm();
+        let xyz_from_four = fit_xyz_from_four(&preset.medium, &columns, &light, &wavelengths_nm);
+        let medium = preset.medium_with(air, ground);
         let ground_sky_irradiance = {
             let sampled = medium.sampled(&wavelengths_nm);
             let at = |x: usize| {

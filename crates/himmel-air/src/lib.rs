@@ -30,6 +30,7 @@ pub mod params;
 pub mod phase;
 pub mod preset;
 pub mod profile;
+pub mod query;
 pub mod rayleigh;
 pub mod reference;
 pub mod refraction;

@@ -10,7 +10,8 @@ use himmel_core::spectrum::Spectrum;
 
 use crate::error::AirError;
 use crate::light::Star;
-use crate::medium::Medium;
+use crate::medium::{Class, Medium};
+use crate::params::{AirParams, GroundParams};
 use check::Check;
 use file::File;
 
@@ -144,6 +145,25 @@ impl Preset {
 }
 
 impl Preset {
+    /// The medium with the settings applied: factors on what the air is made of, the ground's albedo.
+    pub fn medium_with(&self, air: &AirParams, ground: &GroundParams) -> Medium {
+        let mut medium = self.medium.clone();
+        for component in &mut medium.components {
+            let factor = match component.class() {
+                Class::Molecules => air.molecules,
+                Class::Aerosols => air.aerosols,
+                Class::Absorbers => air.absorbers,
+            };
+            component.amount *= if air.enabled { factor } else { 0.0 };
+        }
+        if !ground.enabled {
+            medium.ground_albedo = Spectrum::Constant(0.0);
+        } else if let Some(albedo) = ground.albedo {
+            medium.ground_albedo = Spectrum::Constant(albedo);
+        }
+        medium
+    }
+
     /// Spectral irradiance of the first star at one astronomical unit, W m⁻² nm⁻¹: what the colour matrix is fitted to.
     pub fn light_at_1_au_w_m2_nm(&self) -> Spectrum {
         match self.stars.first() {

@@ -21,6 +21,7 @@
 mod clock;
 mod error;
 mod light;
+mod light_meter;
 mod model;
 mod observer;
 pub mod picture;
@@ -37,6 +38,7 @@ pub use himmel_gpu::{
     Projection, Still, Target, Tonemap, View,
 };
 pub use light::{Light, SunLight};
+pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};
 pub use model::{SkyModel, SunPlace, visible_fraction};
 pub use observer::Observer;
 pub use scene::{CameraParams, ClockParams, ObserverParams, ProjectionKind, Scene};

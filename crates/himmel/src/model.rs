@@ -200,12 +200,7 @@ impl SkyModel {
         let sun = self.sun()?;
         let irradiance = self.scene.sun.brightness / (sun.distance_au * sun.distance_au);
         let altitude_m = self.altitude_m();
-        let visible = visible_fraction(sun.altitude_deg - self.horizon_deg(), sun.radius_deg);
-        let lowest_mu = himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, altitude_m);
-        // A disc that touches the horizon shines from its visible part, just above it.
-        let mu = sun.altitude_deg.to_radians().sin().max(lowest_mu + 1e-9);
-        let through = self.atmosphere.sun_transmittance(altitude_m, mu);
-        let beam = through.map(|t| t * visible * irradiance);
+        let beam = self.beam()?.map(|b| b * irradiance);
         let xyz = self.atmosphere.xyz(beam);
         let rec709 = self.atmosphere.rec709(beam);
         let mu_airless = sun.airless_altitude_deg.to_radians().sin();
@@ -225,6 +220,16 @@ impl SkyModel {
             sky_illuminance_lx: self.atmosphere.xyz(sky).y.max(0.0),
             sky_colour: pure_colour(self.atmosphere.rec709(sky)),
         })
+    }
+
+    /// What of the Sun's light arrives: its transmittance times the visible share of its disc, at the four wavelengths.
+    pub(crate) fn beam(&self) -> Result<[f64; 4]> {
+        let (sun, altitude_m) = (self.sun()?, self.altitude_m());
+        let visible = visible_fraction(sun.altitude_deg - self.horizon_deg(), sun.radius_deg);
+        let lowest_mu = himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, altitude_m);
+        // A disc that touches the horizon shines from its visible part, just above it.
+        let mu = sun.altitude_deg.to_radians().sin().max(lowest_mu + 1e-9);
+        Ok(self.atmosphere.sun_transmittance(altitude_m, mu).map(|t| t * visible))
     }
 
     /// Altitude of the geometric horizon, degrees (zero or negative).

@@ -1,6 +1,5 @@
 //! `himmel ephemeris`
 
-use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use himmel::parse_time;
@@ -8,6 +7,7 @@ use himmel::parts::astro::query::{Answer, Conditions, EphemerisTable, Target};
 use himmel::parts::astro::{AirAtObserver, Instant, Place};
 
 use super::level::Level;
+use super::table::read_table;
 use crate::{Failure, out, print_bytes};
 
 /// Arguments of `himmel ephemeris`.
@@ -116,11 +116,7 @@ fn object(answer: &Answer) -> serde_json::Map<String, serde_json::Value> {
 
 /// A whole table.
 fn table(args: &Args, input: &Path, conditions: &Conditions) -> Result<(), Failure> {
-    let bytes = read(input)?;
-    let bytes = match bytes.iter().find(|byte| !byte.is_ascii_whitespace()) {
-        Some(b'[' | b'{') => csv_from_json(&bytes).map_err(|e| Failure::failed(format!("{}: {e}", input.display())))?,
-        _ => bytes,
-    };
+    let bytes = read_table(input)?;
     let mut reader = csv::ReaderBuilder::new().flexible(true).has_headers(false).from_reader(bytes.as_slice());
     let text = |record: &csv::ByteRecord| -> Vec<String> {
         record.iter().map(|field| String::from_utf8_lossy(field).into_owned()).collect()
@@ -191,40 +187,4 @@ fn table(args: &Args, input: &Path, conditions: &Conditions) -> Result<(), Failu
         1 => Err(Failure::failed("1 row could not be answered; the others are")),
         n => Err(Failure::failed(format!("{n} rows could not be answered; the others are"))),
     }
-}
-
-/// A list of flat objects (or one object) as a table: the columns are all keys, in the order of their first appearance.
-fn csv_from_json(bytes: &[u8]) -> Result<Vec<u8>, String> {
-    let rows = match serde_json::from_slice(bytes).map_err(|e| e.to_string())? {
-        serde_json::Value::Array(rows) => rows,
-        row => vec![row],
-    };
-    let mut header: Vec<String> = Vec::new();
-    for (index, row) in rows.iter().enumerate() {
-        let object = row.as_object().ok_or_else(|| format!("entry {} is no object", index + 1))?;
-        for key in object.keys().filter(|key| !header.contains(key)).cloned().collect::<Vec<_>>() {
-            header.push(key);
-        }
-    }
-    let field = |row: &serde_json::Value, key: &str| match row.get(key) {
-        None | Some(serde_json::Value::Null) => String::new(),
-        Some(serde_json::Value::String(text)) => text.clone(),
-        Some(other) => other.to_string(),
-    };
-    let mut table = csv::Writer::from_writer(Vec::new());
-    table.write_record(&header).map_err(|e| e.to_string())?;
-    for row in &rows {
-        table.write_record(header.iter().map(|key| field(row, key))).map_err(|e| e.to_string())?;
-    }
-    table.into_inner().map_err(|e| e.to_string())
-}
-
-fn read(path: &Path) -> Result<Vec<u8>, Failure> {
-    let mut bytes = Vec::new();
-    let result = if path == Path::new("-") {
-        std::io::stdin().read_to_end(&mut bytes).map(drop)
-    } else {
-        std::fs::read(path).map(|content| bytes = content)
-    };
-    result.map(|()| bytes).map_err(|e| Failure::failed(format!("cannot read {}: {e}", path.display())))
 }

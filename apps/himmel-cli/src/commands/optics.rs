@@ -133,7 +133,7 @@ impl From<AirError> for Failure {
 const LARGEST_PRESET: u64 = 4 << 20;
 
 /// A preset by name, or from a file.
-fn preset(name: &str) -> Result<Preset, Failure> {
+pub(super) fn preset(name: &str) -> Result<Preset, Failure> {
     if !name.ends_with(".toml") {
         return Ok(Preset::named(name)?);
     }

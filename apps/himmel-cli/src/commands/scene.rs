@@ -62,9 +62,7 @@ impl SceneArgs {
             scene.folder = PathBuf::new();
         }
         for pair in &self.set {
-            let Some((key, value)) = pair.split_once('=') else {
-                return Err(Failure::usage(format!("--set takes KEY=VALUE, such as air.aerosols=2; got \"{pair}\"")));
-            };
+            let (key, value) = key_and_value(pair)?;
             scene.set(key, value)?;
         }
         for (key, value) in [
@@ -88,6 +86,14 @@ impl SceneArgs {
         }
         Ok(scene)
     }
+}
+
+/// Reads `air.aerosols=2`.
+pub fn key_and_value(pair: &str) -> Result<(&str, &str), Failure> {
+    pair.split_once('=').map(|(key, value)| (key.trim(), value)).ok_or_else(|| {
+        let pair = himmel::params::shorten(pair);
+        Failure::usage(format!("--set takes KEY=VALUE, such as air.aerosols=2; got \"{pair}\""))
+    })
 }
 
 /// Reads `1280x720`.
