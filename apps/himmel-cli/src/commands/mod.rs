@@ -9,4 +9,5 @@ pub mod level;
 pub mod optics;
 pub mod params;
 pub mod render;
+mod render_reference;
 pub mod scene;
