@@ -19,8 +19,8 @@ use crate::model::SkyModel;
 use state::{Head, Sums};
 pub use wavelengths::{WAVELENGTHS, wavelengths_nm, xyz_weights};
 
-/// Paths of each pass through each pixel. Their light of the first order costs as much as some ten paths.
-pub const PATHS_PER_PASS: u32 = 8;
+/// Paths of each pass through each pixel: the light of the first order, without noise, costs as much as some thirty.
+pub const PATHS_PER_PASS: u32 = 32;
 
 /// Pixels that a thread takes at once.
 const CHUNK: usize = 64;
@@ -268,7 +268,7 @@ impl ReferencePicture {
     }
 
     /// Illuminance of a level surface at the observer, lx: by the star and by the sky, all orders. `rays`: samples of the
-    /// sky, of [`PATHS_PER_PASS`] paths each; 256 know it within some per cent.
+    /// sky, of [`PATHS_PER_PASS`] paths each; 128 know it within some per cent.
     pub fn illuminance_lx(&self, rays: u32) -> Result<(f64, f64)> {
         let seen = [Source { direction: self.disc_direction, ..self.sun.clone() }];
         let direct = self.tracer.direct_irradiance(&seen, self.altitude_m, DVec3::Z)?;

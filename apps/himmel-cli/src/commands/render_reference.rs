@@ -17,16 +17,16 @@ const PATHS: u64 = 128;
 /// Most paths where an error is asked for.
 const MOST_PATHS: u64 = 1 << 17;
 /// Passes before an error is believed.
-const LEAST_PASSES: u64 = 8;
+const LEAST_PASSES: u64 = 4;
 /// How often the samples so far are written, at least.
 const SAVE_EVERY: Duration = Duration::from_secs(30);
 /// Rays for the illuminance of the report.
-const ILLUMINANCE_RAYS: u32 = 256;
+const ILLUMINANCE_RAYS: u32 = 128;
 
 /// Options of the reference solver.
 #[derive(clap::Args)]
 pub struct ReferenceArgs {
-    /// Paths through each pixel, rounded up to whole passes of 8 [default: 128; with --target-error at most 131072].
+    /// Paths through each pixel, rounded up to whole passes of 32 [default: 128; with --target-error at most 131072].
     #[arg(long, value_name = "N")]
     samples: Option<u64>,
     /// Go on until half of the pixels have this relative standard error of luminance, such as 0.01.

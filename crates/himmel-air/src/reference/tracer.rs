@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::first::{Scratch, first_order};
+use super::first::{Scratch, first_order, points_for};
 use super::flight::Flight;
 use super::importance::Importance;
 use super::line::Line;
@@ -242,8 +242,8 @@ impl<const N: usize> Tracer<N> {
 /// Pictures: many small answers whose error is told from one another.
 impl<const N: usize> Tracer<N> {
     /// One sample of a pixel: the radiance that arrives at an altitude from a direction, all orders, in the sources' unit
-    /// per sr. The first order by one random point of each source's disc (a beam has no choice), the others as the mean of
-    /// `paths` paths; the mean of many samples is [`radiance`](Self::radiance). `stream`: seed, question (the pixel) and
+    /// per sr. The first order by one of the points that stand for each source's disc (where its centre will do, without
+    /// chance), the others as the mean of `paths` paths; the mean of many samples is [`radiance`](Self::radiance). `stream`: seed, question (the pixel) and
     /// number of the sample; the same stream gives the same answer.
     ///
     /// Errors: an altitude in the ground, a direction that is none, sources that are none.
@@ -261,8 +261,17 @@ impl<const N: usize> Tracer<N> {
         let points: Vec<Source<N>> = sources
             .iter()
             .map(|source| {
-                let (direction, brightness) = source.sample(&mut random);
-                let irradiance = std::array::from_fn(|k| source.irradiance[k] * brightness[k]);
+                let points = points_for(&self.optics, &line, source);
+                let share = |weight: &[f64; N]| (0..N).map(|k| self.weight[k] * weight[k]).sum::<f64>();
+                // Drawn by their weights, which sum to 1: what is left of them is the limb's colour.
+                let mut left = random.unit();
+                let mut drawn = points.iter().find(|(_, weight)| {
+                    left -= share(weight);
+                    left < 0.0
+                });
+                drawn = drawn.or(points.last());
+                let (direction, weight) = drawn.map_or((source.direction, [1.0; N]), |(d, weight)| (*d, *weight));
+                let irradiance = std::array::from_fn(|k| source.irradiance[k] * weight[k] / share(&weight));
                 Source { direction, radius_rad: 0.0, irradiance, limb: None }
             })
             .collect();
