@@ -5,6 +5,7 @@ mod bad_input;
 mod examples;
 mod optics;
 mod pictures;
+mod reference_picture;
 
 use std::path::Path;
 use std::process::{Command, Output};

@@ -322,3 +322,120 @@ fn standard_error(sum: &Sums, passes: u64) -> f64 {
     let mean = sum[1] / n;
     ((sum[3] / n - mean * mean).max(0.0) / (n - 1.0)).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+    use himmel_air::reference::Effort;
+
+    fn reference(settings: &[(&str, &str)]) -> ReferencePicture {
+        let mut scene = Scene::default();
+        scene.set("clock.time", "2012-09-06T12:00Z").unwrap();
+        for (key, value) in settings {
+            scene.set(key, value).unwrap();
+        }
+        ReferencePicture::new(&SkyModel::new(&scene).unwrap(), 1).unwrap()
+    }
+
+    /// A clear noon: one pixel of a degree, away from the Sun, against the tracer's own answer in its middle.
+    #[test]
+    fn a_pixel_is_what_the_tracer_answers() {
+        let mut reference = reference(&[
+            ("light.sun.altitude_deg", "60"),
+            ("light.sun.azimuth_deg", "180"),
+            ("camera.look", "0,40"),
+            ("camera.fov_deg", "1"),
+            ("output.width_px", "2"),
+            ("output.height_px", "2"),
+        ]);
+        for _ in 0..16 {
+            assert!(reference.add_pass(&mut |_| true).unwrap());
+        }
+        let direction = reference.view.direction([0.0, 0.0]).unwrap();
+        let effort = Effort { samples: 2048, seed: 9, ..Effort::default() };
+        let sources = std::slice::from_ref(&reference.sun);
+        let answer = reference.tracer.radiance(sources, reference.altitude_m, direction, &effort, 0).unwrap();
+        let expected = rec709_from_xyz() * reference.xyz(&answer.value);
+        let mean = reference.rgb_cd_m2().into_iter().sum::<DVec3>() / 4.0;
+        println!("{mean} for {expected} cd/m², noise {:?}", reference.noise());
+        assert!(((mean - expected) / expected).abs().max_element() < 0.02, "{mean} {expected}");
+        // A clear blue sky, 40° up, opposite to the Sun.
+        assert!((1500.0..6000.0).contains(&mean.y) && mean.z > mean.x, "{mean}");
+        // The scatter of the pixels is what the errors say: the mean of four within 5 of their errors.
+        let error = reference.error_cd_m2().iter().map(|error| error * error).sum::<f64>().sqrt() / 4.0;
+        let own = reference.xyz(&answer.standard_error).y;
+        assert!((mean.y - expected.y).abs() < 5.0 * error.hypot(own) + 0.003 * expected.y, "{error} {own}");
+    }
+
+    /// The disc's pixels hold the Sun's illuminance, whether it fills the picture or a part of a pixel; and half a disc on
+    /// the horizon holds a part of it.
+    #[test]
+    fn the_disc_keeps_its_light() {
+        for (fov_deg, side) in [("1", "24"), ("5", "21"), ("90", "9")] {
+            let reference = reference(&[
+                ("light.sun.altitude_deg", "40"),
+                ("camera.look", "sun"),
+                ("camera.fov_deg", fov_deg),
+                ("output.width_px", side),
+                ("output.height_px", side),
+            ]);
+            let half = (0.5 * fov_deg.parse::<f64>().unwrap()).to_radians().tan();
+            let side: f64 = side.parse().unwrap();
+            // Solid angle of a pixel near the axis.
+            let solid_angle = (2.0 * half / side).powi(2);
+            let lux: f64 = reference.disc.iter().map(|(_, xyz)| xyz.y * solid_angle).sum();
+            let expected = reference.sun_illuminance_lx().unwrap();
+            println!("{fov_deg}°: {lux} of {expected} lx in {} pixels", reference.disc.len());
+            assert!((lux / expected - 1.0).abs() < 0.02, "{fov_deg}°: {lux} {expected}");
+        }
+        let none = reference(&[("light.sun.disc", "off"), ("light.sun.altitude_deg", "40"), ("camera.look", "sun")]);
+        assert!(none.disc.is_empty());
+    }
+
+    /// Threads, interruptions and resumption change nothing; exposure may change, the scene may not.
+    #[test]
+    fn samples_go_on_where_they_stopped() {
+        let settings = [
+            ("light.sun.altitude_deg", "10"),
+            ("output.width_px", "9"),
+            ("output.height_px", "5"),
+            ("air.molecules", "0.5"),
+        ];
+        let mut whole = reference(&settings);
+        for _ in 0..3 {
+            whole.add_pass(&mut |_| true).unwrap();
+        }
+        let mut part = reference(&settings);
+        part.add_pass(&mut |_| true).unwrap();
+        assert!(!part.add_pass(&mut |_| false).unwrap(), "a pass that is stopped does not count");
+        assert!(part.noise().is_none() && part.passes() == 1);
+        let mut again = reference(&[&settings[..], &[("output.exposure", "12")]].concat());
+        again.resume(&part.state()).unwrap();
+        again.add_pass(&mut |_| true).unwrap();
+        again.add_pass(&mut |_| true).unwrap();
+        assert!(again.state() == whole.state() && again.rgb_cd_m2() == whole.rgb_cd_m2());
+        let mut other = reference(&[&settings[..], &[("ground.albedo", "0.9")]].concat());
+        assert!(other.resume(&part.state()).is_err() && other.passes() == 0);
+    }
+
+    /// No air, no light at all, above everything: finite pictures.
+    #[test]
+    fn odd_scenes_are_finite() {
+        for settings in [
+            &[("air.enabled", "off"), ("light.sun.altitude_deg", "20")][..],
+            &[("light.sun.altitude_deg", "-80")],
+            &[("observer.altitude_m", "1e8"), ("camera.look", "nadir"), ("camera.fov_deg", "10")],
+            &[("light.sun.brightness", "0")],
+            &[("camera.projection", "fisheye"), ("camera.fov_deg", "360"), ("light.sun.altitude_deg", "20")],
+        ] {
+            let size = [("output.width_px", "4"), ("output.height_px", "3")];
+            let mut reference = reference(&[&size[..], settings].concat());
+            reference.add_pass(&mut |_| true).unwrap();
+            reference.add_pass(&mut |_| true).unwrap();
+            assert!(reference.rgb_cd_m2().iter().all(|rgb| rgb.is_finite()), "{settings:?}");
+            let picture = reference.picture(&OutputParams::default(), Output::Display);
+            assert!(picture.exposure.is_finite() && picture.exposure > 0.0, "{settings:?}");
+        }
+    }
+}
