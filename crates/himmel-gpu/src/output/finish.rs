@@ -12,8 +12,8 @@ use super::tonemap::tonemap;
 /// Laws tested: black stays black but for one step of noise; brighter is not darker; anything that is no number is black.
 pub fn display_rgb(output: &OutputParams, exposed: DVec3, pixel: [u32; 2]) -> [u8; 3] {
     const STEPS: f64 = 255.0;
-    // f64::max drops NaN. 1e30 keeps the tone mappers finite.
-    let colour = DVec3::from_array(exposed.to_array().map(|c| c.max(0.0).min(1e30)));
+    // 1e30 keeps the tone mappers finite; what is no number is black.
+    let colour = DVec3::from_array(exposed.to_array().map(|c| if c > 0.0 { c.min(1e30) } else { 0.0 }));
     let mut encoded = tonemap(output.tonemap, colour);
     if output.dither {
         encoded += DVec3::from_array(triangular_noise(pixel)) / STEPS;

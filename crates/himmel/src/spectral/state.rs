@@ -16,7 +16,7 @@ pub(super) struct Head {
     pub passes: u64,
 }
 
-/// FNV-1a, 64 bits [fnv]: tells files apart, not forgers.
+/// FNV-1a, 64 bits [fnv2012]: tells files apart, not forgers.
 pub(super) fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3))
 }
