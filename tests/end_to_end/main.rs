@@ -6,6 +6,7 @@ mod examples;
 mod optics;
 mod pictures;
 mod radiance;
+mod reference_picture;
 
 use std::path::Path;
 use std::process::{Command, Output};

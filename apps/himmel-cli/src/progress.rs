@@ -2,7 +2,7 @@
 
 use std::io::IsTerminal;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -11,16 +11,18 @@ use indicatif::{ProgressBar, ProgressStyle};
 pub struct Progress {
     bar: Option<ProgressBar>,
     started: Instant,
-    stopped: Arc<AtomicBool>,
+    stopped: Arc<AtomicUsize>,
 }
 
 impl Progress {
     /// Starts; `what` stands before the bar.
     pub fn new(what: &'static str, quiet: bool) -> Self {
-        let stopped = Arc::new(AtomicBool::new(false));
+        let stopped = Arc::new(AtomicUsize::new(0));
         let flag = Arc::clone(&stopped);
         // A second handler is refused; the first one serves then, and this work runs to its end.
-        let _ = ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed));
+        let _ = ctrlc::set_handler(move || {
+            flag.fetch_add(1, Ordering::Relaxed);
+        });
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::hidden().with_message(what);
             bar.set_length(1000);
@@ -40,7 +42,19 @@ impl Progress {
             }
             bar.set_position((share * 1000.0) as u64);
         }
-        !self.stopped.load(Ordering::Relaxed)
+        self.presses() == 0
+    }
+
+    /// How often Ctrl-C was pressed.
+    pub fn presses(&self) -> usize {
+        self.stopped.load(Ordering::Relaxed)
+    }
+
+    /// Says something else before the bar.
+    pub fn say(&self, what: String) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(what);
+        }
     }
 }
 

@@ -15,7 +15,12 @@ pub fn locate(nodes: &[f64], x: f64) -> (usize, f64) {
     if x >= nodes[last] {
         return (last - 1, 1.0);
     }
-    let upper = nodes.partition_point(|&node| node <= x).clamp(1, last);
+    // Most tables are even: a guess saves the search.
+    let guess = ((x - nodes[0]) / (nodes[last] - nodes[0]) * last as f64) as usize;
+    let upper = match nodes.get(guess..guess.saturating_add(2)) {
+        Some([a, b]) if *a <= x && x < *b => guess + 1,
+        _ => nodes.partition_point(|&node| node <= x).clamp(1, last),
+    };
     let (a, b) = (nodes[upper - 1], nodes[upper]);
     (upper - 1, if b > a { (x - a) / (b - a) } else { 0.0 })
 }
@@ -33,6 +38,18 @@ pub fn linear(nodes: &[f64], values: &[f64], x: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn even_and_uneven_tables_are_found_in() {
+        for nodes in [vec![0.0, 1.0, 2.0, 3.0, 4.0], vec![-1e3, 0.0, 0.0, 1e-3, 7.0, 8.0]] {
+            for i in 0..1000 {
+                let x = nodes[0] + (nodes[nodes.len() - 1] - nodes[0]) * (f64::from(i) + 0.5) / 1000.0;
+                let (k, t) = locate(&nodes, x);
+                assert!(nodes[k] <= x && x < nodes[k + 1] && (lerp(nodes[k], nodes[k + 1], t) - x).abs() < 1e-9, "{x}");
+            }
+        }
+        assert_eq!(locate(&[0.0, 1.0, 1.0, 2.0], 1.0), (2, 0.0));
+    }
 
     #[test]
     fn linear_is_exact_at_nodes_and_clamps() {

@@ -22,7 +22,7 @@ pub use error::GpuError;
 pub use gpu::{AdapterReport, Gpu};
 pub use output::params::{Exposure, OutputParams, Tonemap};
 pub use renderer::{FrameState, SkyRenderer, SunState};
-pub use still::{Picture, Pixels, Still};
+pub use still::{MAX_PIXELS, MAX_SIDE, Picture, Pixels, Still};
 pub use target::{DepthDirection, Output, Target};
 pub use timing::PassTimes;
 pub use view::{Projection, View};

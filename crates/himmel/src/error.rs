@@ -54,6 +54,9 @@ pub enum Error {
         /// The system's reason.
         source: std::io::Error,
     },
+    /// The samples of an unfinished reference picture do not go on here.
+    #[error("the samples so far cannot be used: {0}")]
+    Samples(String),
     /// A picture's name has no ending that is known.
     #[error("the picture's name must end in .png, .jpg, .exr or .hdr, got {}", .path.display())]
     FileFormat {

@@ -16,7 +16,7 @@
 //! # Ok(()) }
 //! ```
 //!
-//! [`SkyModel`] is the same sky without a GPU. [`Scene`] is everything that decides a picture, as a file.
+//! [`SkyModel`] is the same sky without a GPU, [`ReferencePicture`] its picture by a Monte Carlo tracer. [`Scene`] is everything that decides a picture, as a file.
 
 mod clock;
 mod error;
@@ -28,6 +28,7 @@ pub mod picture;
 pub mod place;
 mod scene;
 mod sky;
+pub mod spectral;
 
 pub use clock::{Clock, parse_time};
 pub use error::{Error, Result};
@@ -43,6 +44,7 @@ pub use model::{SkyModel, SunPlace, visible_fraction};
 pub use observer::Observer;
 pub use scene::{CameraParams, ClockParams, ObserverParams, ProjectionKind, Scene};
 pub use sky::Sky;
+pub use spectral::ReferencePicture;
 
 // Their types are in this API.
 pub use glam;

@@ -1,7 +1,5 @@
 //! A light meter: what falls on a level surface and comes from the zenith, with all orders of scattering, by wavelength.
 
-mod wavelengths;
-
 use std::f64::consts::PI;
 
 use glam::DVec3;
@@ -16,7 +14,7 @@ use himmel_gpu::GpuError;
 
 use crate::error::Result;
 use crate::model::{SkyModel, SunPlace, direction_enu};
-use wavelengths::{WAVELENGTHS, wavelengths_nm, xyz_weights};
+use crate::spectral::{WAVELENGTHS, wavelengths_nm, xyz_weights};
 
 /// Independent parts that a measurement consists of, at least: its error comes from them.
 const FEWEST_PARTS: u64 = 32;

@@ -114,9 +114,15 @@ pub fn pass_medians(gpu: &Gpu, model: &SkyModel, output: Output, frames: usize) 
 
 /// Writes a picture under a temporary name in the same folder and renames it: a file is there whole or not at all.
 pub fn save(picture: &Picture, path: &Path) -> Result<()> {
+    save_with_errors(picture, None, path)
+}
+
+/// As [`save`]; an OpenEXR file also gets a channel `Y.error` with the standard error of each pixel's luminance, in the
+/// picture's unit (cd m⁻² times exposure). Other formats have no place for it.
+pub fn save_with_errors(picture: &Picture, errors: Option<&[f32]>, path: &Path) -> Result<()> {
     let format = FileFormat::of(path)?;
     format.check_size(picture.width, picture.height)?;
-    write_whole(path, |writer| encode(picture, format, writer))
+    write_whole(path, |writer| encode(picture, errors, format, writer))
 }
 
 /// Writes bytes in the same way.
@@ -149,6 +155,7 @@ fn write_whole(
 
 fn encode(
     picture: &Picture,
+    errors: Option<&[f32]>,
     format: FileFormat,
     writer: &mut (impl Write + std::io::Seek),
 ) -> std::result::Result<(), String> {
@@ -161,6 +168,9 @@ fn encode(
     // Encoders panic on less.
     if count as u64 != 3 * u64::from(width) * u64::from(height) || count == 0 {
         return Err(format!("a picture of {width}x{height} needs three values for each pixel, got {count} in all"));
+    }
+    if errors.is_some_and(|errors| 3 * errors.len() != count) {
+        return Err("there must be one error for each pixel".into());
     }
     match (format, &picture.pixels) {
         (FileFormat::Png, Pixels::Display(rgb)) => image::codecs::png::PngEncoder::new(writer)
@@ -176,7 +186,7 @@ fn encode(
                 .encode(&pixels, width as usize, height as usize)
                 .map_err(|e| e.to_string())
         }
-        (FileFormat::Exr, Pixels::Radiance(rgb)) => encode_exr(picture, rgb, writer),
+        (FileFormat::Exr, Pixels::Radiance(rgb)) => encode_exr(picture, rgb, errors, writer),
         _ => Err("the picture was rendered for another kind of file".into()),
     }
 }
@@ -184,14 +194,17 @@ fn encode(
 fn encode_exr(
     picture: &Picture,
     rgb: &[f32],
+    errors: Option<&[f32]>,
     writer: &mut (impl Write + std::io::Seek),
 ) -> std::result::Result<(), String> {
     use exr::prelude::*;
-    let width = picture.width as usize;
-    let channels = SpecificChannels::rgb(|at: Vec2<usize>| {
-        let i = 3 * (at.y() * width + at.x());
-        (rgb[i], rgb[i + 1], rgb[i + 2])
-    });
+    let channel = |name: &str, samples: Vec<f32>| AnyChannel::new(name, FlatSamples::F32(samples));
+    let colour = |name, offset| channel(name, rgb.iter().skip(offset).step_by(3).copied().collect());
+    let mut channels = AnyChannels::sort([colour("R", 0), colour("G", 1), colour("B", 2)].into_iter().collect());
+    if let Some(errors) = errors {
+        // After R in the order of names that the format wants.
+        channels.list.push(channel("Y.error", errors.to_vec()));
+    }
     let mut attributes = LayerAttributes::named("");
     attributes.software_name = Some(Text::from("himmel"));
     // Luminance of a pixel (1, 1, 1) in cd/m².
@@ -199,7 +212,8 @@ fn encode_exr(
     // Blocks in order, however many threads compress them: the same picture is the same file.
     let encoding =
         Encoding { compression: Compression::ZIP16, line_order: LineOrder::Increasing, ..Encoding::FAST_LOSSLESS };
-    let mut layer = Layer::new((width, picture.height as usize), attributes, encoding, channels);
+    let size = (picture.width as usize, picture.height as usize);
+    let mut layer = Layer::new(size, attributes, encoding, channels);
     layer.attributes.layer_name = None;
     let mut image = Image::from_layer(layer);
     image.attributes.chromaticities = Some(exr::meta::attribute::Chromaticities {

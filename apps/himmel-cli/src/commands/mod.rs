@@ -11,5 +11,6 @@ pub mod optics;
 pub mod params;
 pub mod radiance;
 pub mod render;
+mod render_reference;
 pub mod scene;
 pub mod table;

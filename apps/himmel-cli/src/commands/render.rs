@@ -4,9 +4,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use himmel::picture::{FileFormat, check_writable, render, save};
-use himmel::{Exposure, Gpu, Output, Scene, SkyModel};
+use himmel::{Exposure, Gpu, Output, Picture, Scene, SkyModel};
 use serde::Serialize;
 
+use super::render_reference::{self, ReferenceArgs};
 use super::scene::SceneArgs;
 use crate::progress::Progress;
 use crate::{Failure, out};
@@ -18,10 +19,17 @@ use crate::{Failure, out};
   himmel render --place 52.39,13.06 --time 2012-09-06T16:00Z --look sun --fov 40 -o sun.exr
   himmel render --preset mars-reference --look sun --fov 30 -o mars.png
   himmel render --place Paranal --projection equirect --size 4096x2048 -o environment.hdr
-  himmel render --altitude 400000 --look W,-20 --set light.sun.altitude_deg=5 --set light.sun.azimuth_deg=229 -o orbit.png")]
+  himmel render --altitude 400000 --look W,-20 --set light.sun.altitude_deg=5 --set light.sun.azimuth_deg=229 -o orbit.png
+  himmel render --solver reference --set light.sun.altitude_deg=40 --size 320x180 -o noon.exr
+  himmel render --solver reference --target-error 0.005 --resume --set light.sun.altitude_deg=40 -o noon.exr")]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
+    /// gpu: in a moment, light scattered once. reference: Monte Carlo without a GPU, all orders, 16 wavelengths.
+    #[arg(long, value_enum, default_value = "gpu")]
+    solver: Solver,
+    #[command(flatten)]
+    reference: ReferenceArgs,
     /// The picture: .png or .jpg (finished), .exr or .hdr (linear, cd/m² unless --exposure says otherwise).
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
@@ -31,6 +39,15 @@ pub struct Args {
     /// Print the report as JSON.
     #[arg(long)]
     json: bool,
+}
+
+/// Who computes the picture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Solver {
+    /// The renderer.
+    Gpu,
+    /// The Monte Carlo tracer.
+    Reference,
 }
 
 /// What was shown.
@@ -57,8 +74,11 @@ struct Report {
     exposure_ev100: Option<f64>,
     exposure_factor: f64,
     tonemap: Option<&'static str>,
-    solver: &'static str,
-    adapter: String,
+    solver: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    adapter: Option<String>,
+    #[serde(flatten)]
+    reference: Option<render_reference::Report>,
     seconds: f64,
 }
 
@@ -74,22 +94,34 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     }
     let model = SkyModel::new(&scene)?;
     model.view()?;
-    let gpu = Gpu::open(args.scene.adapter.as_deref())?;
-    let progress = Progress::new("rendering", quiet);
-    let picture = render(&gpu, &model, format.output(), &mut |share| progress.update(share))?;
-    if !progress.update(1.0) {
-        return Err(himmel::GpuError::Cancelled.into());
-    }
-    drop(progress);
-    save(&picture, &args.output)?;
+    let done = match args.solver {
+        Solver::Gpu => {
+            args.reference.refuse()?;
+            let gpu = Gpu::open(args.scene.adapter.as_deref())?;
+            let progress = Progress::new("rendering", quiet);
+            let picture = render(&gpu, &model, format.output(), &mut |share| progress.update(share))?;
+            if !progress.update(1.0) {
+                return Err(himmel::GpuError::Cancelled.into());
+            }
+            drop(progress);
+            save(&picture, &args.output)?;
+            let light = model.light()?;
+            let lux = [light.sun.illuminance_lx, light.sky_illuminance_lx, light.horizontal_illuminance_lx()];
+            Done { picture, lux, adapter: Some(gpu.report().to_string()), reference: None, unfinished: None }
+        }
+        Solver::Reference => render_reference::run(&args.reference, &model, &args.output, format, quiet)?,
+    };
+    let picture = done.picture;
     if let Some(path) = &args.save_scene {
         himmel::picture::save_bytes(reproducible(&scene, &model).to_toml().as_bytes(), path)?;
     }
+    let unfinished = done.unfinished.map_or(Ok(()), |message| Err(Failure::failed(message)));
     if quiet && !args.json {
-        return Ok(());
+        return unfinished;
     }
     let exposure = scene.output.exposure_for(format.output());
-    let (sun, light, look) = (model.sun()?, model.light()?, model.look_deg()?);
+    let (sun, look) = (model.sun()?, model.look_deg()?);
+    let [sun_lx, sky_lx, level_lx] = done.lux;
     let report = Report {
         file: args.output.display().to_string(),
         width_px: picture.width,
@@ -106,19 +138,23 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         sun_azimuth_deg: sun.azimuth_deg,
         sun_altitude_deg: sun.altitude_deg,
         sun_airless_altitude_deg: sun.airless_altitude_deg,
-        horizontal_illuminance_lx: light.horizontal_illuminance_lx(),
-        sun_illuminance_lx: light.sun.illuminance_lx,
-        sky_illuminance_lx: light.sky_illuminance_lx,
+        horizontal_illuminance_lx: level_lx,
+        sun_illuminance_lx: sun_lx,
+        sky_illuminance_lx: sky_lx,
         exposure_ev100: (exposure != Exposure::None).then_some(picture.ev100),
         exposure_factor: picture.exposure,
         tonemap: (format.output() == Output::Display).then(|| scene.output.tonemap.word()),
-        solver: "gpu, first-order scattering",
-        adapter: gpu.report().to_string(),
+        solver: match &done.reference {
+            None => "gpu, first-order scattering".into(),
+            Some(_) => format!("reference, {} wavelengths, all orders", himmel::spectral::WAVELENGTHS),
+        },
+        adapter: done.adapter,
+        reference: done.reference,
         seconds: started.elapsed().as_secs_f64(),
     };
     if args.json {
         out!("{}", serde_json::to_string_pretty(&report).map_err(|e| Failure::failed(e.to_string()))?);
-        return Ok(());
+        return unfinished;
     }
     out!(
         "place        {} ({:.4}°, {:.4}°), {:.0} m",
@@ -135,10 +171,11 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         sun.airless_altitude_deg
     );
     out!(
-        "illuminance  {} lx on level ground ({} from the Sun, {} from the sky; light scattered once)",
+        "illuminance  {} lx on level ground ({} from the Sun, {} from the sky; {})",
         lux(report.horizontal_illuminance_lx),
         lux(report.horizontal_illuminance_lx - report.sky_illuminance_lx),
-        lux(report.sky_illuminance_lx)
+        lux(report.sky_illuminance_lx),
+        if report.reference.is_none() { "light scattered once" } else { "all orders" }
     );
     let how = if exposure == Exposure::Auto { "metered" } else { "fixed" };
     match (report.exposure_ev100, report.tonemap) {
@@ -147,9 +184,29 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         (None, _) => out!("exposure     none: cd/m²"),
     }
     out!("atmosphere   {} — {}", report.preset, model.preset().title);
-    out!("adapter      {}", report.adapter);
+    if let Some(adapter) = &report.adapter {
+        out!("adapter      {adapter}");
+    }
+    if let Some(reference) = &report.reference {
+        out!("solver       {}", report.solver);
+        reference.print();
+    }
     out!("picture      {} ({}×{}) in {:.2} s", report.file, report.width_px, report.height_px, report.seconds);
-    Ok(())
+    unfinished
+}
+
+/// What a solver hands back.
+pub struct Done {
+    /// The picture, which is written already.
+    pub picture: Picture,
+    /// Illuminance in lx: of a surface that faces the Sun, by it; of level ground by the sky; of level ground by both.
+    pub lux: [f64; 3],
+    /// The GPU, where there was one.
+    pub adapter: Option<String>,
+    /// About the samples, where there were some.
+    pub reference: Option<render_reference::Report>,
+    /// Why the picture is not all that was asked for.
+    pub unfinished: Option<String>,
 }
 
 /// The scene with its time fixed and its preset findable from anywhere.

@@ -127,7 +127,11 @@ pub(super) fn first_order<const N: usize>(
 }
 
 /// A disc's centre will do where the line is far from it and nowhere near the edge of its light.
-fn points_for<const N: usize>(optics: &Optics<N>, line: &Line, source: &Source<N>) -> Vec<(DVec3, [f64; N])> {
+pub(super) fn points_for<const N: usize>(
+    optics: &Optics<N>,
+    line: &Line,
+    source: &Source<N>,
+) -> Vec<(DVec3, [f64; N])> {
     let distance = line.direction.angle_between(source.direction);
     let grazes = |t: f64| {
         let point = line.at(t);

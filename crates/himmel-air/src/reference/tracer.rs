@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::first::{Scratch, first_order};
+use super::first::{Scratch, first_order, points_for};
 use super::flight::Flight;
 use super::importance::Importance;
 use super::line::Line;
@@ -236,6 +236,59 @@ impl<const N: usize> Tracer<N> {
             }
             *sums.orders = walker.orders;
         })
+    }
+}
+
+/// Pictures: many small answers whose error is told from one another.
+impl<const N: usize> Tracer<N> {
+    /// One sample of a pixel: the radiance that arrives at an altitude from a direction, all orders, in the sources' unit
+    /// per sr. The first order by one of the points that stand for each source's disc (where its centre will do, without
+    /// chance), the others as the mean of `paths` paths; the mean of many samples is [`radiance`](Self::radiance). `stream`: seed, question (the pixel) and
+    /// number of the sample; the same stream gives the same answer.
+    ///
+    /// Errors: an altitude in the ground, a direction that is none, sources that are none.
+    pub fn sample(
+        &self,
+        sources: &[Source<N>],
+        altitude_m: f64,
+        direction: DVec3,
+        paths: u32,
+        [seed, question, number]: [u64; 3],
+    ) -> Result<[f64; N], AirError> {
+        Self::check_sources(sources)?;
+        let Some(line) = self.sight(altitude_m, direction)? else { return Ok([0.0; N]) };
+        let mut random = Random::new(seed, question, number);
+        let points: Vec<Source<N>> = sources
+            .iter()
+            .map(|source| {
+                let points = points_for(&self.optics, &line, source);
+                let share = |weight: &[f64; N]| (0..N).map(|k| self.weight[k] * weight[k]).sum::<f64>();
+                // Drawn by their weights, which sum to 1: what is left of them is the limb's colour.
+                let mut left = random.unit();
+                let mut drawn = points.iter().find(|(_, weight)| {
+                    left -= share(weight);
+                    left < 0.0
+                });
+                drawn = drawn.or(points.last());
+                let (direction, weight) = drawn.map_or((source.direction, [1.0; N]), |(d, weight)| (*d, *weight));
+                let irradiance = std::array::from_fn(|k| source.irradiance[k] * weight[k] / share(&weight));
+                Source { direction, radius_rad: 0.0, irradiance, limb: None }
+            })
+            .collect();
+        let mut walker = Walker::new(self);
+        let albedo_at = |place| self.albedo_at(place);
+        let first = first_order(&self.optics, &line, &points, &albedo_at, &mut walker.scratch).radiance;
+        let mut flight = Flight::new(&self.optics);
+        flight.prepare(&self.optics, &self.importance, &line, sources, &self.weight, true);
+        if paths == 0 || flight.expected.is_nan() || flight.expected <= 0.0 {
+            return Ok(first);
+        }
+        for i in 0..paths {
+            let u = (f64::from(i) + random.unit()) / f64::from(paths);
+            walker.walk(self, &line, &flight, sources, (u, 1.0), &mut random);
+        }
+        let later = |k: usize| walker.orders.iter().map(|order| order[k]).sum::<f64>() / f64::from(paths);
+        Ok(std::array::from_fn(|k| first[k] + later(k)))
     }
 }
 

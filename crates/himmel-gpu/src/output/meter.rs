@@ -3,6 +3,31 @@
 use crate::error::GpuError;
 use crate::shader;
 
+/// Pixels darker than this share of the mean do not count, and the luminance of nothing at all, cd m⁻²; as in `meter.wgsl`.
+const DARK_SHARE: f64 = 1e-3;
+const DARKEST: f64 = 1e-5;
+
+/// The exposure value that makes a picture's geometric mean luminance middle grey, 0.18: the f64 twin of `meter.wgsl`,
+/// without compensation.
+///
+/// `luminance_cd_m2`: of every pixel, `None` outside the picture (the corners of a fisheye).
+/// Laws tested: an even picture becomes 0.18; twice as bright is one more; black space beside it changes nothing.
+pub fn metered_ev100(luminance_cd_m2: impl Iterator<Item = Option<f64>> + Clone) -> f64 {
+    let (mut sum, mut all) = (0.0, 0.0);
+    for value in luminance_cd_m2.clone() {
+        sum += value.unwrap_or(0.0).max(0.0);
+        all += 1.0;
+    }
+    let dark = (DARK_SHARE * sum / f64::max(all, 1.0)).max(DARKEST);
+    let (mut logs, mut count) = (0.0, 0.0);
+    for value in luminance_cd_m2.flatten().filter(|value| *value >= dark) {
+        logs += value.log2();
+        count += 1.0;
+    }
+    let log_mean = if count > 0.0 { logs / count } else { DARKEST.log2() };
+    (log_mean - (1.2 * 0.18f64).log2()).clamp(-10.0, 24.0)
+}
+
 /// Size of the metering picture: 2,304 rays, a 400th of a 1280×720 frame.
 pub(crate) const SIZE: (u32, u32) = (64, 36);
 /// Floats, so that the Sun's disc does not overflow.
@@ -110,5 +135,24 @@ impl Meter {
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, &self.bind_group, &[]);
         pass.draw(0..3, 0..1);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::output::params::Exposure;
+
+    #[test]
+    fn the_mean_becomes_middle_grey() {
+        let even = |value: f64| metered_ev100(std::iter::repeat_n(Some(value), 100));
+        let factor = Exposure::Ev100(even(4000.0)).factor().unwrap();
+        assert!((4000.0 * factor - 0.18).abs() < 1e-12);
+        assert!((even(8000.0) - even(4000.0) - 1.0).abs() < 1e-12);
+        let pair = [Some(1000.0), Some(4000.0)];
+        assert!((metered_ev100(pair.into_iter()) - even(2000.0)).abs() < 1e-12, "the geometric mean");
+        let space = [Some(1000.0), Some(4000.0), Some(0.0), Some(1e-2), None];
+        assert!((metered_ev100(space.into_iter()) - even(2000.0)).abs() < 1e-12, "space does not count");
+        assert_eq!(metered_ev100([None, Some(0.0)].into_iter()), -10.0);
     }
 }
