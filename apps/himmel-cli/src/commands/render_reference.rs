@@ -12,8 +12,8 @@ use super::render::Done;
 use crate::progress::Progress;
 use crate::{Failure, out};
 
-/// Paths of each pixel where nothing else is asked: some minutes for 320×180 pixels on two cores.
-const PATHS: u64 = 128;
+/// Paths of each pixel where nothing else is asked: two passes, the fewest that have an error.
+const PATHS: u64 = 64;
 /// Most paths where an error is asked for.
 const MOST_PATHS: u64 = 1 << 17;
 /// Passes before an error is believed.
@@ -26,7 +26,7 @@ const ILLUMINANCE_RAYS: u32 = 128;
 /// Options of the reference solver.
 #[derive(clap::Args)]
 pub struct ReferenceArgs {
-    /// Paths through each pixel, rounded up to whole passes of 32 [default: 128; with --target-error at most 131072].
+    /// Paths through each pixel, rounded up to whole passes of 32 [default: 64; with --target-error at most 131072].
     #[arg(long, value_name = "N")]
     samples: Option<u64>,
     /// Go on until half of the pixels have this relative standard error of luminance, such as 0.01.

@@ -36,6 +36,6 @@ mod tests {
             assert!((0..100).all(|i| grey(f64::from(i + 1) / 100.0) >= grey(f64::from(i) / 100.0)));
         }
         let output = OutputParams { dither: false, tonemap: Tonemap::Linear, ..OutputParams::default() };
-        assert_eq!(display_rgb(&output, DVec3::splat(0.214041), [0, 0]), [128; 3]);
+        assert_eq!(display_rgb(&output, DVec3::splat(0.21586), [0, 0]), [128; 3]);
     }
 }
