@@ -92,7 +92,7 @@ pub fn table(work: Work) -> Result<String, String> {
             }
         };
         let mut random = Random::new(1000 + index as u64);
-        let questions: Vec<(Ray, glam::DVec3, f64)> = (0..work.count(100))
+        let questions: Vec<(Ray, glam::DVec3, f64)> = (0..work.count(60))
             .map(|_| {
                 let sun_deg = random.within(class.sun_deg.0, class.sun_deg.1);
                 let direction = view(random.within(class.view_deg.0, class.view_deg.1), random.within(0.0, 180.0));
