@@ -101,7 +101,7 @@ pub(super) struct First<const N: usize> {
 /// Sunlight scattered once along a line, and reflected once where the line ends on the ground.
 ///
 /// Every edge of the planet's shadow, and of the shadows that layers of air throw, is an edge of a cell.
-/// `reflectance`: factor on the ground's albedo by the unit vector from the planet's centre (1 without a map).
+/// `albedo_at`: the ground's albedo by the unit vector from the planet's centre.
 pub(super) fn first_order<const N: usize>(
     optics: &Optics<N>,
     line: &Line,

@@ -101,7 +101,8 @@ impl Tracer<1> {
                 let mut scattered = false;
                 // Straight flights end at the ground, at the top, or at a collision.
                 'life: loop {
-                    let Some(ground) = fly(optics, &envelope, &mut point, direction, &mut random) else {
+                    let Some(ground) = fly(optics, &envelope, &mut point, direction, &mut random, &mut densities)
+                    else {
                         left += weight;
                         break 'life;
                     };
@@ -176,8 +177,8 @@ fn fly(
     point: &mut DVec3,
     direction: DVec3,
     random: &mut Random,
+    densities: &mut [f64],
 ) -> Option<bool> {
-    let mut densities = vec![0.0; optics.components.len()];
     let (radius, top) = (optics.radius_m, optics.radius_m + optics.top_m);
     loop {
         let r = point.length();
@@ -208,8 +209,8 @@ fn fly(
             continue;
         }
         *point += direction * t;
-        optics.densities((point.length() - radius).max(0.0), &mut densities);
-        if random.unit() * majorant < optics.depth(&densities)[0] {
+        optics.densities((point.length() - radius).max(0.0), densities);
+        if random.unit() * majorant < optics.depth(densities)[0] {
             return Some(false);
         }
     }
