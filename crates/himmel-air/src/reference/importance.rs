@@ -17,8 +17,11 @@ const COLUMNS: usize = 56;
 const LOW: f64 = -0.6;
 const HIGH: f64 = 2.0;
 const CROWD: f64 = 0.1;
-/// Orders that are summed; the rest is a geometric tail.
-const ORDERS: usize = 4;
+/// Orders are summed until one adds less than this share to the light anywhere, or there are so many; the rest is a geometric
+/// tail. (Four were too few beneath an optical depth of 20: paths that the solution had no hope for died there, and the rare
+/// survivors were so heavy that no error told of them.)
+const CONVERGED: f64 = 0.02;
+const ORDERS: usize = 100;
 
 /// Actinic flux (light from all sides) per unit irradiance of a source, over altitude and the source's zenith cosine, as
 /// if everything scattered evenly and forward peaks were no scattering at all.
@@ -135,9 +138,18 @@ impl Importance {
                     }
                 }
             }
+            let mut largest: f64 = 0.0;
             for i in 0..diffuse.len() {
-                let ratio = if before[i] > 0.0 { (now[i] / before[i]).min(0.97) } else { 0.0 };
-                diffuse[i] += if order == ORDERS { now[i] / (1.0 - ratio) } else { now[i] };
+                diffuse[i] += now[i];
+                largest = largest.max(now[i] / (direct[i] + diffuse[i]).max(1e-12));
+            }
+            let last = largest < CONVERGED || order == ORDERS;
+            if last {
+                for i in 0..diffuse.len() {
+                    let ratio = if before[i] > 0.0 { (now[i] / before[i]).min(0.97) } else { 0.0 };
+                    diffuse[i] += now[i] * ratio / (1.0 - ratio);
+                }
+                break;
             }
             before = now;
         }

@@ -18,13 +18,15 @@ pub const ORDERS: usize = 32;
 
 /// Chance of aiming the next direction at the Sun's aureole instead of along the path's own.
 const AIM: f64 = 0.3;
+/// Only the first events aim: weights that are even on average wander off as a product of many.
+const AIMED_EVENTS: usize = 3;
 /// In the planet's shadow: height of the bright arch above the horizon, and the Henyey–Greenstein g of the aim at it.
 const ARCH_HEIGHT_RAD: f64 = 0.12;
 const ARCH_G: f64 = 0.8;
 /// A path that expects less than this share of what its first line of sight did is followed by chance only.
 const FAINT: f64 = 0.25;
 /// The smallest chance of being followed on: bounds the weight of survivors.
-const LEAST_CHANCE: f64 = 0.05;
+const LEAST_CHANCE: f64 = 0.25;
 /// Where a path ends at last. Conservative air of optical depth 1e4 needs some thousands of events.
 const MOST_EVENTS: usize = 200_000;
 
@@ -114,7 +116,8 @@ impl<const N: usize> Walker<N> {
                 }
                 carried.iter_mut().for_each(|c| *c /= chance);
             }
-            let Some(direction) = self.turn(tracer, &line, point, up, event, &albedo, sources, &mut carried, random)
+            let aimed = if order <= AIMED_EVENTS { sources } else { &[] };
+            let Some(direction) = self.turn(tracer, &line, point, up, event, &albedo, aimed, &mut carried, random)
             else {
                 return;
             };
@@ -131,7 +134,7 @@ impl<const N: usize> Walker<N> {
         }
     }
 
-    /// Draws the next direction from the scatterers' own phase functions and, where there is a forward peak, from peaks
+    /// Draws the next direction from the scatterers' own phase functions and (`sources`: what to aim at), where there is a forward peak, from peaks
     /// about the lights: the product of two peaks, which makes the noise of haze, is bounded by the sum of their chances.
     #[allow(clippy::too_many_arguments)]
     fn turn(

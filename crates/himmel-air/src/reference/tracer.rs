@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::first::{Scratch, first_order, points_for};
+use super::first::{Scratch, first_order, light_rule, points_for};
 use super::flight::Flight;
 use super::importance::Importance;
 use super::line::Line;
@@ -18,6 +18,11 @@ pub const BATCHES: usize = 32;
 
 /// The most paths of one question.
 pub const MOST_SAMPLES: u64 = 1 << 40;
+
+/// Paths are steered through air of less than this optical depth of scattering, forward peaks taken out. In thicker air light
+/// is everywhere, and the weights of steered paths would wander off over their many events until rare, heavy ones
+/// carried the answer.
+const THICK: f64 = 2.0;
 
 /// How much work to put into an answer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -91,6 +96,20 @@ pub struct Tracer<const N: usize> {
     ground_map: Option<GroundMap>,
 }
 
+/// Vertical optical depth of scattering at a wavelength, without what goes on forwards.
+fn scattering_depth<const N: usize>(optics: &Optics<N>, k: usize) -> f64 {
+    let line = Line::new(optics, DVec3::Z * optics.radius_m, DVec3::Z);
+    let (mut edges, count) = (Vec::new(), optics.components.len());
+    let (mut densities, mut columns_m) = (vec![0.0; count], vec![0.0; count]);
+    line.cut(optics, 1.0, &mut edges);
+    line.columns(optics, &edges, light_rule(), &mut densities, &mut columns_m);
+    let share = |(column, component): (&f64, &super::optics::Constituent<N>)| {
+        let forward = component.lobe.as_ref().map_or(0.0, |lobe| lobe.mean_cosine[k].max(0.0));
+        column * component.scattering_per_m[k] * (1.0 - forward)
+    };
+    columns_m.iter().zip(&optics.components).map(share).sum()
+}
+
 /// Sums of a batch.
 #[derive(Clone)]
 pub(super) struct Batch<const N: usize> {
@@ -109,8 +128,8 @@ impl<const N: usize> Tracer<N> {
         let mut by_extinction: Vec<usize> = (0..N).collect();
         by_extinction.sort_by(|a, b| extinction[*a].total_cmp(&extinction[*b]));
         let importance = match by_extinction.get(N / 2) {
-            Some(k) => Importance::solve(&optics, *k),
-            None => Importance::even(&optics),
+            Some(k) if scattering_depth(&optics, *k) < THICK => Importance::solve(&optics, *k),
+            _ => Importance::even(&optics),
         };
         Ok(Self { optics, importance, weight: [1.0 / N as f64; N], ground_map: None })
     }
