@@ -1,5 +1,6 @@
 //! Parity: what the GPU computes against the f64 twins, on the adapter that is printed.
 
+mod air;
 mod allocation;
 mod functions;
 mod host;

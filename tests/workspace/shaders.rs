@@ -1,6 +1,6 @@
 //! Every shader passes naga, and shared structs have the same offsets in Rust and WGSL.
 
-use himmel::parts::gpu::layout::{Layout, SHARED};
+use himmel::parts::gpu::layout::{Layout, SHARED, SHARED_ELSEWHERE};
 use himmel::parts::gpu::shader;
 use naga::valid::{Capabilities, ValidationFlags, Validator};
 
@@ -68,6 +68,9 @@ fn shared_structs_have_the_same_offsets() {
     let module = parse("sky.wgsl");
     for layout in SHARED {
         assert_eq!(difference(layout, &module), None);
+    }
+    for (root, layout) in SHARED_ELSEWHERE {
+        assert_eq!(difference(layout, &parse(root)), None, "{root}");
     }
 }
 

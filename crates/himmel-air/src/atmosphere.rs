@@ -1,48 +1,83 @@
 //! A preset with its settings, ready to be asked and to be drawn.
 
+use std::sync::OnceLock;
+
 use glam::{DVec3, DVec4};
 use himmel_core::colour::rec709_from_xyz;
-use himmel_core::interpolate::lerp;
 
 use crate::colour::{fit_xyz_from_four, rec709_rows};
-use crate::columns::{self, Columns};
-use crate::irradiance::{Directions, sky_irradiance, table_coordinate, table_elevation_rad};
+use crate::columns::Columns;
+use crate::irradiance::{Directions, sky_irradiance};
 use crate::medium::{Medium, Sampled};
-use crate::params::{AirParams, GroundParams};
+use crate::moments::{self, Moments, Quality};
+use crate::params::{AirParams, AirQuality, GroundParams};
 use crate::preset::Preset;
 use crate::single::{March, Ray, enter, march};
 
-/// Columns of the table of sky irradiance on the ground.
-pub const IRRADIANCE_WIDTH: usize = 64;
-
-/// An atmosphere at four wavelengths: the medium with its tables. Making one costs about 40 ms; it does not depend on
-/// where the Sun is.
+/// An atmosphere at four wavelengths, and its tables on the CPU, made when they are first asked for; it does not depend
+/// on where the Sun is.
 pub struct Atmosphere {
     medium: Medium,
     wavelengths_nm: [f64; 4],
-    columns: Columns,
+    quality: Option<AirQuality>,
+    steps: Option<u32>,
+    columns: OnceLock<Columns>,
+    moments: OnceLock<Moments<4>>,
     xyz_from_four: [DVec4; 3],
-    ground_sky_irradiance: Vec<[f64; 4]>,
+    /// What the matrix was fitted to.
+    fitted_to: Medium,
 }
 
 impl Atmosphere {
-    /// Applies the settings to the preset and integrates the tables.
+    /// Applies the settings to the preset and fits its matrix to colour (some tens of milliseconds).
     pub fn new(preset: &Preset, air: &AirParams, ground: &GroundParams) -> Self {
         let wavelengths_nm = air.wavelengths_nm();
         // Fitted to the preset as it is: thinner or thicker air of the same kind keeps its matrix.
         let columns = Columns::new(&preset.medium);
         let light = preset.light_at_1_au_w_m2_nm();
         let xyz_from_four = fit_xyz_from_four(&preset.medium, &columns, &light, &wavelengths_nm);
-        let medium = preset.medium_with(air, ground);
-        let ground_sky_irradiance = {
-            let sampled = medium.sampled(&wavelengths_nm);
-            let at = |x: usize| {
-                let mu_s = table_elevation_rad(x as f64 / (IRRADIANCE_WIDTH - 1) as f64).sin();
-                sky_irradiance(&sampled, &columns, 0.0, mu_s, Directions::TABLE)
-            };
-            (0..IRRADIANCE_WIDTH).map(at).collect()
-        };
-        Self { medium, wavelengths_nm, columns, xyz_from_four, ground_sky_irradiance }
+        Self::with_matrix(preset, air, ground, xyz_from_four)
+    }
+
+    /// The same after an edit: of the same preset at the same wavelengths it keeps the matrix, which makes it cheap.
+    pub fn edited(&self, preset: &Preset, air: &AirParams, ground: &GroundParams) -> Self {
+        if air.wavelengths_nm() == self.wavelengths_nm && preset.medium == self.fitted_to {
+            return Self::with_matrix(preset, air, ground, self.xyz_from_four);
+        }
+        Self::new(preset, air, ground)
+    }
+
+    fn with_matrix(preset: &Preset, air: &AirParams, ground: &GroundParams, xyz_from_four: [DVec4; 3]) -> Self {
+        Self {
+            medium: preset.medium_with(air, ground),
+            wavelengths_nm: air.wavelengths_nm(),
+            quality: air.quality,
+            steps: air.steps,
+            columns: OnceLock::new(),
+            moments: OnceLock::new(),
+            xyz_from_four,
+            fitted_to: preset.medium.clone(),
+        }
+    }
+
+    /// The quality that was asked for.
+    pub fn quality(&self) -> Option<AirQuality> {
+        self.quality
+    }
+
+    /// Cells along a ray that were asked for.
+    pub fn steps(&self) -> Option<u32> {
+        self.steps
+    }
+
+    /// Optical depth to space; made when first asked for (about 10 ms).
+    pub fn columns(&self) -> &Columns {
+        self.columns.get_or_init(|| Columns::new(&self.medium))
+    }
+
+    /// The moments of all orders of scattering; made when first asked for (seconds).
+    pub fn moments(&self) -> &Moments<4> {
+        self.moments.get_or_init(|| Moments::build(&self.sampled(), self.columns(), &Quality::default()))
     }
 
     /// The medium with the settings applied.
@@ -58,12 +93,6 @@ impl Atmosphere {
     /// The four wavelengths, nm.
     pub fn wavelengths_nm(&self) -> [f64; 4] {
         self.wavelengths_nm
-    }
-
-    /// Irradiance of the sky on the ground over Sun elevation (see [`table_elevation_rad`]), per unit irradiance of
-    /// the Sun.
-    pub fn ground_sky_irradiance(&self) -> &[[f64; 4]] {
-        &self.ground_sky_irradiance
     }
 
     /// Rows R, G, B that turn radiance per unit irradiance of the Sun at 1 au (sr⁻¹) into linear Rec. 709 in cd m⁻².
@@ -82,23 +111,6 @@ impl Atmosphere {
         rec709_from_xyz() * self.xyz(four)
     }
 
-    /// Optical depth to space at a node of the table, at the four wavelengths.
-    pub fn depth_at_node(&self, air: &Sampled<'_, 4>, x: usize, y: usize) -> [f64; 4] {
-        let mut depth = [0.0; 4];
-        for (index, component) in air.components.iter().enumerate() {
-            let column = self.columns.node_m(index, x, y);
-            for k in 0..4 {
-                depth[k] += column * component.extinction_per_m[k];
-            }
-        }
-        depth
-    }
-
-    /// Width and height of the optical-depth table.
-    pub fn depth_size(&self) -> (usize, usize) {
-        (columns::WIDTH, columns::HEIGHT)
-    }
-
     /// Transmittance from an altitude, within the air or above it, to space. `mu`: cosine of the zenith angle; 0 below
     /// the horizon.
     pub fn sun_transmittance(&self, altitude_m: f64, mu: f64) -> [f64; 4] {
@@ -109,31 +121,23 @@ impl Atmosphere {
                 None => [1.0; 4],
             };
         }
-        crate::single::sun_transmittance(&self.sampled(), &self.columns, altitude_m, mu)
+        crate::single::sun_transmittance(&self.sampled(), self.columns(), altitude_m, mu)
     }
 
-    /// What a ray through the air sees: the f64 twin of the renderer's march.
+    /// What a ray through the air sees of light scattered once.
     pub fn march(&self, ray: &Ray, steps: usize) -> March<4> {
-        march(&self.sampled(), &self.columns, ray, steps)
+        march(&self.sampled(), self.columns(), ray, steps)
     }
 
-    /// Radiance that leaves the ground where the Sun stands at a zenith cosine, per unit irradiance of the Sun, sr⁻¹.
-    pub fn ground_radiance(&self, mu_s: f64) -> [f64; 4] {
-        let through = self.sun_transmittance(0.0, mu_s);
-        let u = table_coordinate(mu_s);
-        let x = u * (IRRADIANCE_WIDTH - 1) as f64;
-        let x0 = (x.max(0.0) as usize).min(IRRADIANCE_WIDTH - 2);
-        let albedo = self.sampled().ground_albedo;
-        std::array::from_fn(|k| {
-            let log = |i: usize| self.ground_sky_irradiance[i][k].max(1e-30).log2();
-            let sky = if u < 0.0 { 0.0 } else { lerp(log(x0), log(x0 + 1), x - x0 as f64).exp2() };
-            albedo[k] / std::f64::consts::PI * (through[k] * mu_s.max(0.0) + sky)
-        })
+    /// What a ray through the air sees of light scattered any number of times, with the lit ground where it ends: the
+    /// f64 twin of the renderer's march, per unit irradiance of the Sun, sr⁻¹.
+    pub fn radiance(&self, ray: &Ray, steps: usize) -> [f64; 4] {
+        moments::radiance(&self.sampled(), self.columns(), self.moments(), ray, steps)
     }
 
     /// Irradiance from the sky on a level surface at an altitude, per unit irradiance of the Sun.
     pub fn sky_irradiance(&self, altitude_m: f64, mu_s: f64) -> [f64; 4] {
-        sky_irradiance(&self.sampled(), &self.columns, altitude_m, mu_s, Directions::FINE)
+        sky_irradiance(&self.sampled(), self.columns(), altitude_m, mu_s, Directions::FINE)
     }
 }
 

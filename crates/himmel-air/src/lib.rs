@@ -45,7 +45,7 @@ pub use atmosphere::Atmosphere;
 pub use columns::Columns;
 pub use error::AirError;
 pub use medium::{Component, Medium, Sampled};
-pub use params::{AirParams, GroundParams, SunParams};
+pub use params::{AirParams, AirQuality, GroundParams, SunParams};
 pub use phase::Phase;
 pub use preset::Preset;
 pub use profile::Profile;

@@ -1,6 +1,20 @@
 //! The parameters of air, ground and Sun.
 
-use himmel_core::params;
+use himmel_core::{choices, params};
+
+choices! {
+    /// How finely the air is computed: sizes of its tables, samples along rays, orders of scattering.
+    pub enum AirQuality {
+        /// For small GPUs: errors of a per cent or two, coarser twilight.
+        Low = "low",
+        /// Between the two.
+        Medium = "medium",
+        /// In real time: within a few tenths of a per cent of the moment solver.
+        High = "high",
+        /// Every pixel marches its own ray: for pictures.
+        Film = "film",
+    }
+}
 
 params! {
     /// What is between you and the stars.
@@ -13,8 +27,10 @@ params! {
         aerosols: f64 = 1.0, "", 0.0..=1000.0;
         /// Factor on the amount of every gas that only absorbs, such as ozone.
         absorbers: f64 = 1.0, "", 0.0..=100.0;
-        /// Samples along a ray; 32 keep first-order scattering within 1 % by day.
-        steps: u32 = 32, "", 4.0..=512.0;
+        /// How finely it is computed; unset: high in real time, film for pictures.
+        quality: Option<AirQuality> = None;
+        /// Cells along a ray; unset: those of the quality (16 to 48).
+        steps: Option<u32> = None, "", 4.0..=512.0;
         /// First of the four wavelengths that are rendered (red).
         wavelength_1_nm: f64 = 630.0, "nm", 380.0..=780.0;
         /// Second of the four wavelengths (green).

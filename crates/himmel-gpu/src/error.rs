@@ -22,6 +22,9 @@ pub enum GpuError {
     /// A view has no inverse, is not finite, or there are too many.
     #[error("the view does not fit: {0}")]
     View(String),
+    /// The air has more to it than the renderer takes.
+    #[error("the air {0}")]
+    Air(String),
     /// The picture's size is out of bounds.
     #[error(
         "the picture must be 1 to {max} pixels wide and high and hold at most {max_pixels} pixels, got {width}x{height}"

@@ -40,4 +40,16 @@ pub struct Layout {
 }
 
 /// Every struct that Rust and WGSL share.
-pub const SHARED: &[Layout] = &[crate::frame::FrameUniform::LAYOUT, crate::frame::ViewUniform::LAYOUT];
+pub const SHARED: &[Layout] = &[
+    crate::frame::FrameUniform::LAYOUT,
+    crate::frame::LightUniform::LAYOUT,
+    crate::frame::ViewUniform::LAYOUT,
+    crate::phenomena::air::uniform::Species::LAYOUT,
+    crate::phenomena::air::uniform::Aerosol::LAYOUT,
+    crate::phenomena::air::uniform::AirUniform::LAYOUT,
+];
+/// Those of other passes, by their root.
+pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
+    ("phenomena/air/build/resolve.wgsl", crate::phenomena::air::build::BuildUniform::LAYOUT),
+    ("phenomena/air/query.wgsl", crate::phenomena::air::Query::LAYOUT),
+];

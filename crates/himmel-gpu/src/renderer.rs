@@ -3,16 +3,17 @@
 use std::sync::OnceLock;
 
 use glam::DVec3;
-use himmel_air::{Atmosphere, sun};
+use himmel_air::{AirQuality, Atmosphere, sun};
 use wgpu::util::StagingBelt;
 
 use crate::error::GpuError;
-use crate::frame::{FrameUniform, ViewUniform};
+use crate::frame::{FrameUniform, LightUniform, MOST_LIGHTS, ViewUniform};
 use crate::output::meter::{self, Meter};
 use crate::output::params::OutputParams;
-use crate::phenomena::air::Tables;
-use crate::phenomena::{cleared, table_entry};
-use crate::shader;
+use crate::pass::{Bound, Slot, bind, layout, module};
+use crate::phenomena::air::build::{Pace, Rebuild};
+use crate::phenomena::air::{Air, view_slot};
+use crate::phenomena::cleared;
 use crate::target::{DepthDirection, Output, Target};
 use crate::timing::Stamps;
 use crate::view::{Projection, View};
@@ -26,8 +27,8 @@ pub struct SunState {
     pub disc_direction: DVec3,
     /// Apparent radius of the disc, rad.
     pub radius_rad: f64,
-    /// Irradiance above the air relative to the Earth's at 1 au.
-    pub irradiance: f64,
+    /// Irradiance above the air at the four wavelengths, relative to the preset's star at 1 au.
+    pub irradiance: [f64; 4],
     /// Whether the disc is drawn.
     pub disc: bool,
     /// Whether the disc darkens towards its limb.
@@ -39,12 +40,36 @@ pub struct SunState {
 pub struct FrameState {
     /// The Sun.
     pub sun: SunState,
+    /// Other suns that light the same air; at most [`MOST_LIGHTS`] with the first.
+    pub other_suns: Vec<SunState>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
     pub output: OutputParams,
-    /// Samples along a ray.
-    pub steps: u32,
+}
+
+impl FrameState {
+    /// All suns, the first one first.
+    pub fn suns(&self) -> impl Iterator<Item = &SunState> {
+        std::iter::once(&self.sun).chain(&self.other_suns)
+    }
+
+    fn check(&self) -> Result<(), GpuError> {
+        let count = self.suns().count();
+        if count > MOST_LIGHTS {
+            return Err(GpuError::View(format!("a frame has at most {MOST_LIGHTS} suns, got {count}")));
+        }
+        let finite = |sun: &SunState| {
+            sun.direction.is_finite()
+                && sun.disc_direction.is_finite()
+                && sun.radius_rad.is_finite()
+                && sun.irradiance.iter().all(|value| value.is_finite())
+        };
+        if !(self.suns().all(finite) && self.altitude_m.is_finite()) {
+            return Err(GpuError::View("the suns and the observer's altitude must be finite".into()));
+        }
+        Ok(())
+    }
 }
 
 /// Coefficients of a disc that is equally bright everywhere.
@@ -61,6 +86,7 @@ const MOST_VIEWS: usize = 4096;
 /// Draws the sky into render passes of one kind.
 pub struct SkyRenderer {
     device: wgpu::Device,
+    queue: wgpu::Queue,
     target: Target,
     pipeline: wgpu::RenderPipeline,
     pipeline_layout: wgpu::PipelineLayout,
@@ -68,8 +94,9 @@ pub struct SkyRenderer {
     /// Made when automatic exposure is first asked for.
     metering_pipeline: OnceLock<wgpu::RenderPipeline>,
     meter: Meter,
-    tables: Tables,
-    frame_group: wgpu::BindGroup,
+    air: Air,
+    default_quality: AirQuality,
+    pace: Pace,
     frame_buffer: wgpu::Buffer,
     view_layout: wgpu::BindGroupLayout,
     view_group: wgpu::BindGroup,
@@ -77,75 +104,98 @@ pub struct SkyRenderer {
     view_stride: u64,
     capacity: usize,
     prepared: usize,
-    belts: [StagingBelt; BELTS],
-    turn: usize,
+    uploads: Uploads,
     /// The part of the frame's uniform that follows from the medium.
-    air: FrameUniform,
+    colours: FrameUniform,
+    bottom_radius_m: f64,
+    top_altitude_m: f64,
 }
 
+/// Staging buffers that frames use in turn.
+struct Uploads {
+    belts: [StagingBelt; BELTS],
+    turn: usize,
+}
+
+impl Uploads {
+    fn write(&mut self, encoder: &mut wgpu::CommandEncoder, buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]) {
+        if let Some(size) = wgpu::BufferSize::new(bytes.len() as u64) {
+            self.belts[self.turn].write_buffer(encoder, buffer, offset, size).copy_from_slice(bytes);
+        }
+    }
+
+    /// Takes the next belt.
+    fn begin(&mut self) {
+        self.turn = (self.turn + 1) % BELTS;
+    }
+
+    fn finish(&mut self) {
+        self.belts[self.turn].finish();
+        // The one that the next frame will write to: its last use was three frames ago. Asked for now, it is mapped by
+        // then.
+        self.belts[(self.turn + 1) % BELTS].recall();
+    }
+}
+
+/// Altitude above which every pixel marches its own ray, m; where the air ends lower, this share of its top.
+const MARCH_ABOVE_M: f64 = 60_000.0;
+const MARCH_ABOVE_SHARE: f64 = 0.6;
+
 impl SkyRenderer {
-    /// Compiles pipelines for a target and uploads the air's tables.
+    /// Compiles pipelines for a target and uploads the air's medium; its tables are filled by the first frames.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         target: &Target,
         atmosphere: &Atmosphere,
     ) -> Result<Self, GpuError> {
+        Self::with_quality(device, queue, target, atmosphere, AirQuality::High)
+    }
+
+    /// The same with a quality for atmospheres that ask for none.
+    pub fn with_quality(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        target: &Target,
+        atmosphere: &Atmosphere,
+        default_quality: AirQuality,
+    ) -> Result<Self, GpuError> {
         target.check(device)?;
-        let module = device.create_shader_module(wgpu::ShaderModuleDescriptor {
-            label: Some("sky"),
-            source: wgpu::ShaderSource::Wgsl(shader::module("sky.wgsl")?.into()),
-        });
-        let uniform = |size: usize, dynamic| wgpu::BindGroupLayoutEntry {
-            binding: 0,
-            visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
-            ty: wgpu::BindingType::Buffer {
-                ty: wgpu::BufferBindingType::Uniform,
-                has_dynamic_offset: dynamic,
-                min_binding_size: wgpu::BufferSize::new(size as u64),
-            },
-            count: None,
-        };
-        let mut entries = vec![uniform(size_of::<FrameUniform>(), false)];
-        entries.extend((1..=5).map(table_entry));
-        let frame_layout = device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some("sky frame"), entries: &entries });
-        let view_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-            label: Some("sky view"),
-            entries: &[uniform(size_of::<ViewUniform>(), true)],
-        });
+        let module = module(device, "sky.wgsl")?;
+        let meter = Meter::new(device)?;
+        let frame_buffer = uniform_buffer(device, "sky frame", size_of::<FrameUniform>() as u64);
+        let sizes = Air::sizes_of(atmosphere.quality().unwrap_or(default_quality), atmosphere.steps());
+        let air = Air::new(device, queue, sizes, atmosphere, &frame_buffer, meter.exposure_view())?;
+        let view_layout = layout(
+            device,
+            "sky view",
+            wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
+            &[(0, view_slot()), (1, Slot::Layers), (2, Slot::Layers)],
+        );
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
-            bind_group_layouts: &[Some(&frame_layout), Some(&view_layout)],
+            bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
             immediate_size: 0,
         });
         let pipeline = sky_pipeline(device, &module, &pipeline_layout, target, false);
-        let meter = Meter::new(device)?;
-        let tables = Tables::new(device, atmosphere.depth_size());
-        let frame_buffer = uniform_buffer(device, "sky frame", size_of::<FrameUniform>() as u64);
-        let mut bindings = vec![wgpu::BindGroupEntry { binding: 0, resource: frame_buffer.as_entire_binding() }];
-        let views = tables.views();
-        for (binding, view) in (1..).zip(views.iter().chain([meter.exposure_view()])) {
-            bindings.push(wgpu::BindGroupEntry { binding, resource: wgpu::BindingResource::TextureView(view) });
-        }
-        let frame_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("sky frame"),
-            layout: &frame_layout,
-            entries: &bindings,
-        });
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let view_stride = (size_of::<ViewUniform>() as u64).next_multiple_of(alignment);
-        let (view_buffer, view_group) = view_buffer(device, &view_layout, view_stride, FIRST_CAPACITY);
+        let view_buffer = uniform_buffer(device, "sky views", view_stride * FIRST_CAPACITY as u64);
+        let view_group = view_group(device, &view_layout, &view_buffer, &air);
+        let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
+            queue: queue.clone(),
             target: *target,
             pipeline,
             pipeline_layout,
             module,
             metering_pipeline: OnceLock::new(),
             meter,
-            tables,
-            frame_group,
+            air,
+            default_quality,
+            // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
+            pace: Pace::Samples(if software { 5e5 } else { 1e7 }),
             frame_buffer,
             view_layout,
             view_group,
@@ -153,31 +203,49 @@ impl SkyRenderer {
             view_stride,
             capacity: FIRST_CAPACITY,
             prepared: 0,
-            // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
-            belts: std::array::from_fn(|_| StagingBelt::new(device.clone(), 16 * 1024)),
-            turn: 0,
-            air: FrameUniform::default(),
+            uploads: Uploads {
+                // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
+                belts: std::array::from_fn(|_| StagingBelt::new(device.clone(), 16 * 1024)),
+                turn: 0,
+            },
+            colours: FrameUniform::default(),
+            bottom_radius_m: 0.0,
+            top_altitude_m: 0.0,
         };
-        renderer.set_atmosphere(queue, atmosphere);
+        renderer.air.stations.bind_views(device, &renderer.view_buffer);
+        renderer.take_colours(atmosphere);
         Ok(renderer)
     }
 
-    /// Uploads the tables of another atmosphere (or of the same one after an edit).
-    pub fn set_atmosphere(&mut self, queue: &wgpu::Queue, atmosphere: &Atmosphere) {
-        self.tables.upload(queue, atmosphere);
+    /// Takes another atmosphere (or the same one after an edit). Its tables are rebuilt by the next frames, see
+    /// [`rebuilding`](Self::rebuilding); the first already shows light that was scattered twice.
+    pub fn set_atmosphere(&mut self, atmosphere: &Atmosphere) -> Result<(), GpuError> {
+        let sizes = Air::sizes_of(atmosphere.quality().unwrap_or(self.default_quality), atmosphere.steps());
+        if self.air.set(&self.device, &self.queue, sizes, atmosphere)? {
+            self.bind_views();
+        }
+        self.take_colours(atmosphere);
+        Ok(())
+    }
+
+    fn take_colours(&mut self, atmosphere: &Atmosphere) {
         let [r, g, b] = atmosphere.rec709_from_four().map(|row| row.as_vec4().to_array());
         let coefficients = atmosphere.wavelengths_nm().map(sun::limb_darkening);
         let limb_darkening = std::array::from_fn(|k| coefficients.map(|c| c[k] as f32));
-        self.air = FrameUniform {
+        self.colours = FrameUniform {
             rec709_from_four_r: r,
             rec709_from_four_g: g,
             rec709_from_four_b: b,
-            ground_albedo: atmosphere.sampled().ground_albedo.map(|albedo| albedo as f32),
             limb_darkening,
-            bottom_radius_m: atmosphere.medium().bottom_radius_m as f32,
-            top_altitude_m: atmosphere.medium().top_altitude_m as f32,
             ..FrameUniform::default()
         };
+        self.bottom_radius_m = atmosphere.medium().bottom_radius_m;
+        self.top_altitude_m = atmosphere.medium().top_altitude_m;
+    }
+
+    fn bind_views(&mut self) {
+        self.air.stations.bind_views(&self.device, &self.view_buffer);
+        self.view_group = view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air);
     }
 
     /// The target it draws to.
@@ -185,16 +253,46 @@ impl SkyRenderer {
         &self.target
     }
 
-    /// Memory of its tables in bytes.
+    /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.tables.bytes()
+        self.air.bytes()
     }
 
-    /// Records this frame's uploads, and the metering where exposure is automatic (by the first view). Call once a
-    /// frame before [`draw`](Self::draw), with the encoder that is submitted before or with the pass that draws.
+    /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
+    pub fn rebuilding(&self) -> Option<Rebuild> {
+        self.air.rebuilding()
+    }
+
+    /// Ends a rebuild where it is: the sky keeps the orders of scattering that it shows.
+    pub fn cancel_rebuild(&mut self) {
+        self.air.cancel();
+    }
+
+    /// How much of a rebuild each frame does.
+    pub fn set_pace(&mut self, pace: Pace) {
+        self.pace = pace;
+    }
+
+    /// Records the rebuilding of the air's tables without drawing, as much as the pace allows.
+    pub fn build(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        self.uploads.begin();
+        self.record_build(encoder);
+        self.uploads.finish();
+    }
+
+    fn record_build(&mut self, encoder: &mut wgpu::CommandEncoder) {
+        let Self { device, air, pace, uploads, .. } = self;
+        air.build(device, encoder, *pace, &mut |encoder, buffer, offset, bytes| {
+            uploads.write(encoder, buffer, offset, bytes);
+        });
+    }
+
+    /// Records this frame's uploads, what is left to build, the tables of where the views stand, and the metering where
+    /// exposure is automatic (by the first view). Call once a frame before [`draw`](Self::draw), with the encoder that
+    /// is submitted before or with the pass that draws.
     ///
     /// At most three frames may be recorded before the first of them is submitted.
-    /// Allocates nothing once running, unless there are more views than ever before.
+    /// Allocates nothing on the GPU once running, unless there are more views than ever before.
     pub fn prepare(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -209,61 +307,85 @@ impl SkyRenderer {
         encoder: &mut wgpu::CommandEncoder,
         frame: &FrameState,
         views: &[View],
-        stamps: Option<&mut Stamps>,
+        mut stamps: Option<&mut Stamps>,
     ) -> Result<(), GpuError> {
         self.prepared = 0;
         if views.is_empty() || views.len() > MOST_VIEWS {
             return Err(GpuError::View(format!("a frame has 1 to {MOST_VIEWS} views, got {}", views.len())));
         }
-        let finite = frame.sun.direction.is_finite()
-            && frame.sun.disc_direction.is_finite()
-            && frame.sun.radius_rad.is_finite()
-            && frame.sun.irradiance.is_finite()
-            && frame.altitude_m.is_finite();
-        if !finite {
-            return Err(GpuError::View("the Sun and the observer's altitude must be finite".into()));
-        }
+        frame.check()?;
         // The first slot is the metering view: the first view's whole picture.
         let whole = View { part: [0.0, 0.0, 1.0, 1.0], first_pixel: [0, 0], ..views[0] };
         let mut uniforms = Vec::with_capacity(views.len() + 1);
+        let mut stations: Vec<(f64, DVec3, usize)> = Vec::new();
         for view in std::iter::once(&whole).chain(views) {
             view.check()?;
-            uniforms.push(self.view_uniform(frame, view)?);
+            let (mut uniform, up, altitude_m) = self.view_uniform(frame, view)?;
+            // Views that stand as good as in the same place (the faces of a cube, two eyes) share their tables.
+            let near = |&(other_m, other_up, _): &(f64, DVec3, usize)| {
+                (altitude_m - other_m).abs() < 1e-4 * (altitude_m + 10.0) && (up - other_up).length() < 1e-6
+            };
+            let known = stations.iter().position(near);
+            uniform.station = known.unwrap_or(stations.len()) as u32;
+            if known.is_none() {
+                stations.push((altitude_m, up, uniforms.len()));
+            }
+            uniforms.push(uniform);
         }
+        let mut stale = false;
         if uniforms.len() > self.capacity {
             self.capacity = uniforms.len().next_power_of_two();
-            (self.view_buffer, self.view_group) =
-                view_buffer(&self.device, &self.view_layout, self.view_stride, self.capacity);
+            self.view_buffer = uniform_buffer(&self.device, "sky views", self.view_stride * self.capacity as u64);
+            stale = true;
         }
-        self.turn = (self.turn + 1) % BELTS;
+        let lights = frame.suns().count() as u32;
+        stale |= self.air.reserve(&self.device, stations.len() as u32, lights);
+        if stale {
+            self.bind_views();
+        }
+        self.uploads.begin();
         let exposure = frame.output.exposure_for(self.target.output).factor();
-        let compensation = frame.output.compensation_ev.exp2();
-        let uniform = FrameUniform {
-            sun_irradiance: frame.sun.irradiance as f32,
-            exposure: exposure.map_or(0.0, |factor| (factor * compensation) as f32),
-            steps: frame.steps.clamp(4, 4096),
-            tonemap: frame.output.tonemap as u32,
-            encoding: if self.target.colour.is_srgb() { 2 } else { 1 },
-            dither_levels: if frame.output.dither { self.target.levels() } else { 0.0 },
-            largest: self.target.largest().unwrap_or(1.0),
-            compensation: compensation as f32,
-            limb_darkening: if frame.sun.limb_darkening { self.air.limb_darkening } else { EVEN_DISC },
-            ..self.air
-        };
-        self.write(encoder, self.frame_buffer.clone(), 0, bytemuck::bytes_of(&uniform));
+        let uniform = self.frame_uniform(frame, exposure);
+        self.uploads.write(encoder, &self.frame_buffer, 0, bytemuck::bytes_of(&uniform));
         for (slot, uniform) in uniforms.iter().enumerate() {
             let offset = slot as u64 * self.view_stride;
-            self.write(encoder, self.view_buffer.clone(), offset, bytemuck::bytes_of(uniform));
+            self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
         }
-        self.belts[self.turn].finish();
-        // The one that the next frame will write to: its last use was three frames ago. Asked for now, it is mapped by then.
-        self.belts[(self.turn + 1) % BELTS].recall();
+        self.record_build(encoder);
+        self.uploads.finish();
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("sky view"),
+            timestamp_writes: stamps.as_deref_mut().and_then(|stamps| stamps.next_compute("sky view")),
+        });
+        for &(_, _, slot) in &stations {
+            let offset = (slot as u64 * self.view_stride) as u32;
+            let table = uniforms[slot].sky_view == 1;
+            self.air.stations.record(&mut pass, &self.air.group, offset, table, lights);
+        }
+        drop(pass);
         match exposure {
             None => self.record_metering(encoder, stamps),
             Some(factor) => self.meter.set(encoder, factor),
         }
         self.prepared = views.len();
         Ok(())
+    }
+
+    fn frame_uniform(&self, frame: &FrameState, exposure: Option<f64>) -> FrameUniform {
+        let compensation = frame.output.compensation_ev.exp2();
+        let limb_darkening = frame.sun.limb_darkening;
+        FrameUniform {
+            exposure: exposure.map_or(0.0, |factor| (factor * compensation) as f32),
+            steps: self.air.sizes.steps,
+            tonemap: frame.output.tonemap as u32,
+            encoding: if self.target.colour.is_srgb() { 2 } else { 1 },
+            dither_levels: if frame.output.dither { self.target.levels() } else { 0.0 },
+            largest: self.target.largest().unwrap_or(1.0),
+            compensation: compensation as f32,
+            limb_darkening: if limb_darkening { self.colours.limb_darkening } else { EVEN_DISC },
+            light_count: frame.suns().count() as u32,
+            ..self.colours
+        }
     }
 
     /// Draws a view of the prepared frame into the host's pass, at infinite depth. Sets its own pipeline and bind
@@ -290,7 +412,7 @@ impl SkyRenderer {
 
     fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, slot: usize) {
         pass.set_pipeline(pipeline);
-        pass.set_bind_group(0, &self.frame_group, &[]);
+        pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
         pass.draw(0..3, 0..1);
     }
@@ -311,21 +433,17 @@ impl SkyRenderer {
         self.meter.reduce(encoder, stamps.and_then(|stamps| stamps.next("meter")));
     }
 
-    fn write(&mut self, encoder: &mut wgpu::CommandEncoder, buffer: wgpu::Buffer, offset: u64, bytes: &[u8]) {
-        if let Some(size) = wgpu::BufferSize::new(bytes.len() as u64) {
-            self.belts[self.turn].write_buffer(encoder, &buffer, offset, size).copy_from_slice(bytes);
-        }
-    }
-
-    fn view_uniform(&self, frame: &FrameState, view: &View) -> Result<ViewUniform, GpuError> {
-        let radius_m = f64::from(self.air.bottom_radius_m);
+    /// The uniform of a view, and where it stands: its zenith (east-north-up) and altitude.
+    fn view_uniform(&self, frame: &FrameState, view: &View) -> Result<(ViewUniform, DVec3, f64), GpuError> {
+        let radius_m = self.bottom_radius_m;
         let r = radius_m + frame.altitude_m;
         // Where the camera is from the planet's centre; altitude as (r² − R²) / (r + R), which cancels nothing.
         let shift = view.enu_from_view.w_axis.truncate();
         let centre = shift + DVec3::new(0.0, 0.0, r);
         let excess =
             frame.altitude_m * (2.0 * radius_m + frame.altitude_m) + 2.0 * r * shift.z + shift.length_squared();
-        let altitude_m = excess / (radius_m + (radius_m * radius_m + excess).max(0.0).sqrt());
+        // Half a metre: f32 cannot hold less above a planet, and eyes are higher. A camera inside the planet stands on it.
+        let altitude_m = (excess / (radius_m + (radius_m * radius_m + excess).max(0.0).sqrt())).clamp(0.5, 1e15);
         let view_from_enu = glam::DMat3::from_mat4(view.enu_from_view).transpose();
         let up = centre.normalize_or(DVec3::Z);
         let [ray_origin, ray_x, ray_y] = view.rays()?.map(|ray| ray.as_vec3().to_array());
@@ -333,13 +451,32 @@ impl SkyRenderer {
         let forward = view.enu_from_view.transform_vector3(-DVec3::Z);
         let level = (forward - up * forward.dot(up)).normalize_or(DVec3::Y);
         let into_view = |direction: DVec3| (view_from_enu * direction).normalize_or(DVec3::Z).as_vec3().to_array();
+        let light = |sun: &SunState| {
+            let direction = sun.direction.normalize_or(DVec3::Z);
+            let heading = direction - up * direction.dot(up);
+            LightUniform {
+                direction: into_view(direction),
+                radius: sun.radius_rad as f32,
+                disc_direction: into_view(sun.disc_direction),
+                disc_visible: u32::from(sun.disc),
+                irradiance: sun.irradiance.map(|value| value as f32),
+                heading: into_view(heading.normalize_or(up.any_orthonormal_vector())),
+                mu_s: direction.dot(up).clamp(-1.0, 1.0) as f32,
+            }
+        };
+        let mut lights = [LightUniform::default(); MOST_LIGHTS];
+        for (slot, sun) in lights.iter_mut().zip(frame.suns()) {
+            *slot = light(sun);
+        }
+        let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
+        let sky_view = u32::from(within && self.air.sizes.sky_view.is_some());
         let (projection, half_angle) = match view.projection {
             Projection::Matrix(_) => (0, 0.0),
             Projection::Fisheye(span) => (1, 0.5 * span as f32),
             Projection::Equirectangular => (2, 0.0),
         };
         let [left, bottom, width, height] = view.part.map(|value| value as f32);
-        Ok(ViewUniform {
+        let uniform = ViewUniform {
             ray_origin,
             projection,
             ray_x,
@@ -347,20 +484,17 @@ impl SkyRenderer {
             ray_y,
             aspect: view.aspect as f32,
             up: into_view(up),
-            // Half a metre: f32 cannot hold less above a planet, and eyes are higher.
-            altitude_m: (altitude_m as f32).max(0.5),
-            sun_disc: into_view(frame.sun.disc_direction),
-            sun_radius: frame.sun.radius_rad as f32,
-            sun: into_view(frame.sun.direction),
-            sun_disc_visible: u32::from(frame.sun.disc),
+            altitude_m: altitude_m as f32,
             east: into_view(level.cross(up)),
-            padding_0: 0.0,
+            station: 0,
             north: into_view(level),
-            padding_1: 0.0,
+            sky_view,
             tile: [2.0 * left + width - 1.0, 2.0 * bottom + height - 1.0, width, height],
             pixel: view.first_pixel.map(|pixel| pixel as f32),
-            padding_2: [0.0; 2],
-        })
+            padding: [0.0; 2],
+            lights,
+        };
+        Ok((uniform, up, altitude_m))
     }
 }
 
@@ -373,24 +507,15 @@ fn uniform_buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer
     })
 }
 
-fn view_buffer(
+fn view_group(
     device: &wgpu::Device,
     layout: &wgpu::BindGroupLayout,
-    stride: u64,
-    capacity: usize,
-) -> (wgpu::Buffer, wgpu::BindGroup) {
-    let buffer = uniform_buffer(device, "sky views", stride * capacity as u64);
-    let binding = wgpu::BufferBinding {
-        buffer: &buffer,
-        offset: 0,
-        size: wgpu::BufferSize::new(size_of::<ViewUniform>() as u64),
-    };
-    let group = device.create_bind_group(&wgpu::BindGroupDescriptor {
-        label: Some("sky views"),
-        layout,
-        entries: &[wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::Buffer(binding) }],
-    });
-    (buffer, group)
+    buffer: &wgpu::Buffer,
+    air: &Air,
+) -> wgpu::BindGroup {
+    let [cells, sky_view] = air.stations.views();
+    let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
+    bind(device, "sky view", layout, &[(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view))])
 }
 
 fn sky_pipeline(

@@ -10,15 +10,37 @@ pub const FILES: &[(&str, &str)] = &[
     ("output/dither.wgsl", include_str!("output/dither.wgsl")),
     ("output/meter.wgsl", include_str!("output/meter.wgsl")),
     ("output/tonemap.wgsl", include_str!("output/tonemap.wgsl")),
-    ("phenomena/air/air.wgsl", include_str!("phenomena/air/air.wgsl")),
-    ("phenomena/air/tables.wgsl", include_str!("phenomena/air/tables.wgsl")),
+    ("phenomena/air/build/build.wgsl", include_str!("phenomena/air/build/build.wgsl")),
+    ("phenomena/air/build/fill.wgsl", include_str!("phenomena/air/build/fill.wgsl")),
+    ("phenomena/air/build/first.wgsl", include_str!("phenomena/air/build/first.wgsl")),
+    ("phenomena/air/build/next.wgsl", include_str!("phenomena/air/build/next.wgsl")),
+    ("phenomena/air/build/rays.wgsl", include_str!("phenomena/air/build/rays.wgsl")),
+    ("phenomena/air/build/resolve.wgsl", include_str!("phenomena/air/build/resolve.wgsl")),
+    ("phenomena/air/cells.wgsl", include_str!("phenomena/air/cells.wgsl")),
+    ("phenomena/air/depth.wgsl", include_str!("phenomena/air/depth.wgsl")),
+    ("phenomena/air/march.wgsl", include_str!("phenomena/air/march.wgsl")),
+    ("phenomena/air/medium.wgsl", include_str!("phenomena/air/medium.wgsl")),
+    ("phenomena/air/query.wgsl", include_str!("phenomena/air/query.wgsl")),
+    ("phenomena/air/sky_view.wgsl", include_str!("phenomena/air/sky_view.wgsl")),
+    ("phenomena/air/sky_view_table.wgsl", include_str!("phenomena/air/sky_view_table.wgsl")),
     ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
     ("phenomena/sun/sun.wgsl", include_str!("phenomena/sun/sun.wgsl")),
     ("sky.wgsl", include_str!("sky.wgsl")),
 ];
 
 /// The files that are entry points of pipelines.
-pub const ROOTS: &[&str] = &["sky.wgsl", "output/meter.wgsl"];
+pub const ROOTS: &[&str] = &[
+    "sky.wgsl",
+    "output/meter.wgsl",
+    "phenomena/air/depth.wgsl",
+    "phenomena/air/build/rays.wgsl",
+    "phenomena/air/build/first.wgsl",
+    "phenomena/air/build/next.wgsl",
+    "phenomena/air/build/resolve.wgsl",
+    "phenomena/air/cells.wgsl",
+    "phenomena/air/sky_view.wgsl",
+    "phenomena/air/query.wgsl",
+];
 
 /// Why shader files could not be joined.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -1,8 +1,7 @@
 // The whole sky in one pass at infinite depth: air with Sun before the ground. More phenomena join here, in the order
 // star map, stars, planets, Moon, air with Sun, clouds.
 
-//#include "phenomena/air/air.wgsl"
-//#include "phenomena/ground/ground.wgsl"
+//#include "phenomena/air/sky_view_table.wgsl"
 //#include "phenomena/sun/sun.wgsl"
 //#include "output/tonemap.wgsl"
 //#include "output/dither.wgsl"
@@ -50,17 +49,37 @@ fn look_direction(ndc: vec2f) -> vec3f {
     }
 }
 
-// Radiance per unit irradiance of the Sun along a ray with zenith cosine mu.
-fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32) -> vec4f {
-    let start = enter(view.altitude_m, mu, sin_theta, dot(view.sun, view.up), dot(ray, view.sun));
-    let air = march_air(start, frame.steps);
-    var behind = vec4f(0.0);
-    if air.hits_ground {
-        behind = ground_radiance(air.ground_mu_s);
-    } else {
-        behind = sun_disc_radiance(ray, dx, dy);
+// Radiance along a ray with zenith cosine mu, all lights. `below`: whether it meets the ground.
+fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
+    var sum = vec4f(0.0);
+    let radius = airs[body].bottom_radius_m;
+    for (var light = 0u; light < frame.light_count; light++) {
+        var radiance = vec4f(0.0);
+        var through = vec4f(1.0);
+        var disc = vec4f(0.0);
+        if !below {
+            disc = sun_disc_radiance(light, ray, dx, dy);
+        }
+        if view.sky_view == 1u {
+            radiance = sky_view_radiance(light, ray, mu, below);
+            if any(disc > vec4f(0.0)) {
+                through = transmittance_to_space(view.altitude_m, mu);
+            }
+        } else {
+            let sun = view.lights[light].direction;
+            let start = enter(
+                view.altitude_m, mu, sin_theta, view.lights[light].mu_s, clamp(dot(ray, sun), -1.0, 1.0),
+                angle_between(ray, sun));
+            let rows = i32(textureDimensions(cell_table).y);
+            let altitude = min(view.altitude_m, airs[body].top_altitude_m);
+            let horizon = asin(horizon_cosine(radius, altitude));
+            let air = march_air(start, elevation_texel(asin(start.mu), horizon, below, rows), 1.0, 1e30);
+            radiance = air.radiance;
+            through = air.through;
+        }
+        sum += view.lights[light].irradiance * (max(radiance, vec4f(0.0)) + through * disc);
     }
-    return air.radiance + air.transmittance * behind;
+    return sum;
 }
 
 // Linear Rec. 709 in cd/m². The horizon is smoothed over a pixel: there the ground below and the sky above it are mixed.
@@ -68,23 +87,22 @@ fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32) -> ve
 fn sky_luminance(ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
     let pixel = 0.5 * (length(dx) + length(dy));
     let mu = dot(ray, view.up);
-    let horizon = horizon_cosine(frame.bottom_radius_m, view.altitude_m);
+    let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
     // Height above the horizon in pixels; cosines near it differ as angles do, times the sine.
     let sine = max(sqrt(1.0 - horizon * horizon), 1e-3);
     let above = (mu - horizon) / (sine * max(pixel, 1e-9));
     var four = vec4f(0.0);
     if abs(above) >= 0.5 {
-        four = sky_radiance(ray, dx, dy, mu, length(cross(ray, view.up)));
+        four = sky_radiance(ray, dx, dy, mu, length(cross(ray, view.up)), above < 0.0);
     } else {
         // 1e-6 tells the two sides apart in f32. From within the air by the cosine, from above by the sine, R / r, which
         // cancels nothing far away.
-        let sine_of_limb = frame.bottom_radius_m / (frame.bottom_radius_m + view.altitude_m);
+        let sine_of_limb = airs[body].bottom_radius_m / (airs[body].bottom_radius_m + view.altitude_m);
         for (var side = -1.0; side < 2.0; side += 2.0) {
             let sin_theta = min(sine_of_limb * (1.0 + side * 1e-6), 1.0);
-            four += (0.5 + side * above) * sky_radiance(ray, dx, dy, min(horizon + side * 1e-6, 0.0), sin_theta);
+            four += (0.5 + side * above) * sky_radiance(ray, dx, dy, min(horizon + side * 1e-6, 0.0), sin_theta, side < 0.0);
         }
     }
-    four *= frame.sun_irradiance;
     return vec3f(
         dot(frame.rec709_from_four_r, four),
         dot(frame.rec709_from_four_g, four),

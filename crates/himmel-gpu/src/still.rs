@@ -1,9 +1,10 @@
 //! Pictures of any size without a window: drawn in tiles, read back, joined.
 
-use himmel_air::Atmosphere;
+use himmel_air::{AirQuality, Atmosphere};
 
 use crate::error::GpuError;
 use crate::gpu::Gpu;
+use crate::phenomena::air::build::Pace;
 use crate::renderer::{FrameState, SkyRenderer};
 use crate::target::{Output, Target};
 use crate::timing::{PassTimes, Stamps};
@@ -66,7 +67,11 @@ impl Still {
             Output::Radiance => wgpu::TextureFormat::Rgba32Float,
             Output::Display => wgpu::TextureFormat::Rgba8Unorm,
         };
-        let renderer = SkyRenderer::new(&gpu.device, &gpu.queue, &Target::new(colour, output), atmosphere)?;
+        let target = Target::new(colour, output);
+        let mut renderer =
+            SkyRenderer::with_quality(&gpu.device, &gpu.queue, &target, atmosphere, AirQuality::Film)?;
+        // A frame's worth at a time, so that a rebuild can be shown and cancelled.
+        renderer.set_pace(Pace::Samples(1e7));
         Ok(Self { gpu: gpu.clone(), renderer, tile: None, stamps: Stamps::new(gpu) })
     }
 
@@ -75,7 +80,22 @@ impl Still {
         &mut self.renderer
     }
 
-    /// Renders a picture of the view's part. `progress` is told the share done after each tile and answers whether to go on.
+    /// Fills the air's tables to the last order. `progress` is told the share done and answers whether to go on.
+    pub fn build(&mut self, progress: &mut dyn FnMut(f64) -> bool) -> Result<(), GpuError> {
+        while let Some(state) = self.renderer.rebuilding() {
+            let mut encoder =
+                self.gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("air tables") });
+            self.renderer.build(&mut encoder);
+            self.gpu.queue.submit([encoder.finish()]);
+            self.gpu.wait()?;
+            if !progress(f64::from(state.progress)) {
+                return Err(GpuError::Cancelled);
+            }
+        }
+        Ok(())
+    }
+
+    /// Renders a picture of the view's part, once the air's tables are full. `progress` is told the share done after each tile and answers whether to go on.
     pub fn render(
         &mut self,
         frame: &FrameState,
@@ -102,6 +122,7 @@ impl Still {
             floats.resize(count, 0f32);
             Pixels::Radiance(floats)
         };
+        self.build(&mut |_| progress(0.0))?;
         let limit = self.gpu.device.limits().max_texture_dimension_2d.min(TILE);
         let tile_size = (width.min(limit), height.min(limit));
         if self.tile.as_ref().is_none_or(|tile| tile.size != tile_size) {

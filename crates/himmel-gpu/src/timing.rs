@@ -62,6 +62,16 @@ impl Stamps {
         })
     }
 
+    /// The same for a compute pass.
+    pub(crate) fn next_compute(&mut self, label: &'static str) -> Option<wgpu::ComputePassTimestampWrites<'_>> {
+        let stamps = self.next(label)?;
+        Some(wgpu::ComputePassTimestampWrites {
+            query_set: stamps.query_set,
+            beginning_of_pass_write_index: stamps.beginning_of_pass_write_index,
+            end_of_pass_write_index: stamps.end_of_pass_write_index,
+        })
+    }
+
     /// Copies the stamps where the CPU can read them; call last before the submission.
     pub(crate) fn resolve(&self, encoder: &mut wgpu::CommandEncoder) {
         let count = 2 * self.labels.len() as u32;

@@ -31,6 +31,9 @@ const HIGH_DEG: f64 = 4.0;
 const STRIPS: usize = 16;
 const POINTS: usize = 6;
 
+/// Cells along a ray to the zenith.
+const STEPS: usize = 32;
+
 /// What measures.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightSolver {
@@ -261,7 +264,7 @@ impl LightMeter {
         let air = medium.sampled(&wavelengths_nm());
         let sun = direction_enu(place.azimuth_deg, place.airless_altitude_deg);
         let up = Ray { altitude_m, mu: 1.0, mu_s: sun.z, nu: sun.z };
-        let zenith = moments::radiance(&air, columns, moments, &up, model.scene().air.steps as usize);
+        let zenith = moments::radiance(&air, columns, moments, &up, STEPS);
         if altitude_m >= medium.top_altitude_m {
             return Ok(([0.0; WAVELENGTHS], zenith));
         }
@@ -344,7 +347,7 @@ fn first(model: &SkyModel, place: &SunPlace, star_at_1_au: f64) -> Result<Measur
     let (air, light, altitude_m) = (model.atmosphere(), model.light()?, model.altitude_m());
     let mu_s = place.airless_altitude_deg.to_radians().sin();
     let up = Ray { altitude_m, mu: 1.0, mu_s, nu: mu_s };
-    let zenith = air.march(&up, model.scene().air.steps as usize).radiance_per_sr;
+    let zenith = air.march(&up, STEPS).radiance_per_sr;
     let sky = match altitude_m < air.medium().top_altitude_m {
         true => air.sky_irradiance(altitude_m, mu_s),
         false => [0.0; 4],

@@ -18,6 +18,9 @@ use crate::scene::{ProjectionKind, Scene};
 /// Eyes above the ground, m.
 const EYE_HEIGHT_M: f64 = 2.0;
 
+/// Cells along a ray of the renderer's f64 twin.
+const TWIN_STEPS: usize = 48;
+
 /// A sky that can be asked for numbers, without a GPU.
 ///
 /// ```
@@ -159,7 +162,7 @@ impl SkyModel {
             self.preset = preset;
         }
         if air_changed || preset_changed {
-            self.atmosphere = Atmosphere::new(&self.preset, &self.scene.air, &self.scene.ground);
+            self.atmosphere = self.atmosphere.edited(&self.preset, &self.scene.air, &self.scene.ground);
         }
         Ok(air_changed || preset_changed)
     }
@@ -248,13 +251,13 @@ impl SkyModel {
                 direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
                 disc_direction: direction_enu(sun.azimuth_deg, sun.altitude_deg),
                 radius_rad: (sun.radius_deg * settings.radius_scale).to_radians(),
-                irradiance: settings.brightness / (sun.distance_au * sun.distance_au),
+                irradiance: [settings.brightness / (sun.distance_au * sun.distance_au); 4],
                 disc: settings.disc,
                 limb_darkening: settings.limb_darkening,
             },
+            other_suns: Vec::new(),
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),
-            steps: self.scene.air.steps,
         })
     }
 
@@ -266,25 +269,21 @@ impl SkyModel {
         let altitude_m = self.altitude_m().max(0.5);
         let nu = direction.dot(sun.direction).clamp(-1.0, 1.0);
         let ray = Ray { altitude_m, mu: direction.z, mu_s: sun.direction.z, nu };
-        let air = self.atmosphere.march(&ray, self.scene.air.steps as usize);
-        let behind = match air.ground_mu_s {
-            Some(mu_s) => self.atmosphere.ground_radiance(mu_s),
-            None if settings.disc => {
-                let fraction = direction.angle_between(sun.disc_direction) / sun.radius_rad;
-                let solid_angle = std::f64::consts::TAU * (1.0 - sun.radius_rad.cos());
-                self.atmosphere.wavelengths_nm().map(|wavelength_nm| {
-                    let coefficients = match settings.limb_darkening {
-                        true => himmel_air::sun::limb_darkening(wavelength_nm),
-                        false => [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-                    };
-                    himmel_air::sun::relative_disc_brightness(fraction, &coefficients) / solid_angle
-                })
+        let mut four = self.atmosphere.radiance(&ray, TWIN_STEPS);
+        if settings.disc && direction.z.asin().to_degrees() > self.horizon_deg() {
+            let fraction = direction.angle_between(sun.disc_direction) / sun.radius_rad;
+            let solid_angle = std::f64::consts::TAU * (1.0 - sun.radius_rad.cos());
+            let through = self.atmosphere.sun_transmittance(altitude_m, direction.z);
+            for (k, wavelength_nm) in self.atmosphere.wavelengths_nm().into_iter().enumerate() {
+                let coefficients = match settings.limb_darkening {
+                    true => himmel_air::sun::limb_darkening(wavelength_nm),
+                    false => [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+                };
+                let disc = himmel_air::sun::relative_disc_brightness(fraction, &coefficients) / solid_angle;
+                four[k] += through[k] * disc;
             }
-            None => [0.0; 4],
-        };
-        let four =
-            std::array::from_fn(|k| (air.radiance_per_sr[k] + air.transmittance[k] * behind[k]) * sun.irradiance);
-        Ok(self.atmosphere.rec709(four))
+        }
+        Ok(self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k])))
     }
 
     /// Azimuth and altitude that `camera.look` means, degrees.

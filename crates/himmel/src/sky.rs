@@ -16,7 +16,6 @@ use crate::scene::Scene;
 pub struct Sky {
     model: SkyModel,
     renderer: SkyRenderer,
-    queue: wgpu::Queue,
 }
 
 impl Sky {
@@ -33,7 +32,7 @@ impl Sky {
 
     fn with_model(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, model: SkyModel) -> Result<Self> {
         let renderer = SkyRenderer::new(device, queue, target, model.atmosphere())?;
-        Ok(Self { model, renderer, queue: queue.clone() })
+        Ok(Self { model, renderer })
     }
 
     /// Everything but the GPU: settings, clock, the Sun's place, numbers.
@@ -70,7 +69,7 @@ impl Sky {
     /// Takes all settings from a scene.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<()> {
         if self.model.set_scene(scene)? {
-            self.renderer.set_atmosphere(&self.queue, self.model.atmosphere());
+            self.renderer.set_atmosphere(self.model.atmosphere())?;
         }
         Ok(())
     }

@@ -89,7 +89,7 @@ impl ReferencePicture {
         let nodes = wavelengths_nm();
         let medium = model.atmosphere().medium();
         let light = model.preset().light_at_1_au_w_m2_nm();
-        let weights = xyz_weights(&light).map(|weight| weight * frame.sun.irradiance);
+        let weights = xyz_weights(&light).map(|weight| weight * frame.sun.irradiance[0]);
         let tracer = Tracer::new(&medium.sampled(&nodes))?.weighted(weights.map(|weight| weight.y));
         let limb = frame.sun.limb_darkening.then(|| nodes.map(limb_darkening));
         let sun = Source {

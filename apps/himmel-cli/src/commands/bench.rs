@@ -44,7 +44,6 @@ pub fn run(args: &Args, _quiet: bool) -> Result<(), Failure> {
         let json = serde_json::json!({
             "adapter": gpu.report().to_string(),
             "width_px": width, "height_px": height, "frames": args.frames,
-            "samples_per_pixel": scene.air.steps,
             "pass_median_ms": passes,
             "table_bytes": table_bytes,
             "tables_cpu_s": tables_s,
@@ -53,7 +52,7 @@ pub fn run(args: &Args, _quiet: bool) -> Result<(), Failure> {
         return Ok(());
     }
     out!("adapter   {}", gpu.report());
-    out!("frame     {width}×{height}, {} samples per pixel, median of {} frames", scene.air.steps, args.frames);
+    out!("frame     {width}×{height}, median of {} frames", args.frames);
     if times.passes.is_empty() {
         out!(
             "passes    not measured: the adapter offers no time stamps; {:.1} ms a frame with read-back",

@@ -37,6 +37,7 @@ mod build;
 mod frame;
 mod optics;
 mod peak;
+mod prepared;
 mod quality;
 mod rays;
 mod table;
@@ -44,7 +45,9 @@ mod table;
 mod tests;
 
 pub use frame::{Irradiance, irradiance, radiance};
+pub use prepared::{Aerosol, Prepared, Species};
 pub use quality::Quality;
+pub use table::sun_columns;
 
 use crate::columns::Columns;
 use crate::medium::Sampled;

@@ -46,7 +46,7 @@ pub(super) struct AtAngle<const N: usize> {
 }
 
 /// Optical depth of a node: x = √(τ/(6 + τ)). The last stands for everything beyond.
-fn depth_of(node: usize, nodes: usize) -> f64 {
+pub(super) fn depth_of(node: usize, nodes: usize) -> f64 {
     let x = node as f64 / (nodes - 1) as f64;
     // 1e4: thicker than any light gets through.
     (6.0 * x * x / (1.0 - x * x).max(1e-9)).min(1e4)
@@ -103,13 +103,27 @@ fn beam_moments<const N: usize>(components: &[Component], optics: &Optics<N>, to
 impl<const N: usize> Peaks<N> {
     /// Sums the series. `angles`, `depths`: size of the tables, at least 2.
     pub fn new(components: &[Component], optics: &Optics<N>, top_m: f64, angles: usize, depths: usize) -> Self {
+        Self::with_ratio(components, optics, top_m, angles, depths, [1.0; N])
+    }
+
+    /// The same with nodes whose depth at each wavelength is `ratio` times the node's.
+    pub fn with_ratio(
+        components: &[Component],
+        optics: &Optics<N>,
+        top_m: f64,
+        angles: usize,
+        depths: usize,
+        ratio: [f64; N],
+    ) -> Self {
         let (angles, depths) = (angles.max(2), depths.max(2));
         let beam = beam_moments(components, optics, top_m);
         let terms = beam.len();
         // factors[depth][l][k]
         let factors: Vec<Vec<[[f64; 2]; N]>> = (0..depths)
             .map(|d| depth_of(d, depths))
-            .map(|tau| beam.iter().map(|chi| chi.map(|chi| factors(chi, tau))).collect())
+            .map(|tau| {
+                beam.iter().map(|chi| std::array::from_fn(|k| factors(chi[k], ratio[k] * tau))).collect()
+            })
             .collect();
         let one = |s: &Scatterer<N>| {
             let mut nodes = vec![[[0.0; N]; 2]; angles * depths];
@@ -141,6 +155,12 @@ impl<const N: usize> Peaks<N> {
             }
         }
         Self { angles, depths, components: optics.scatterers.iter().map(one).collect(), remainder }
+    }
+
+    /// The nodes of a component, `[angle][depth]`, of S and of U.
+    pub fn nodes(&self, component: usize) -> [Vec<[f64; N]>; 2] {
+        let Some(corrections) = self.components.get(component) else { return [Vec::new(), Vec::new()] };
+        [0, 1].map(|which| corrections.nodes.iter().map(|node| node[which]).collect())
     }
 
     /// The corrections at one scattering angle: constant along a ray.

@@ -68,7 +68,7 @@ impl Default for Quality {
 
 impl Quality {
     /// The least that makes sense, and not more than memory holds.
-    pub(super) fn sane(&self) -> Self {
+    pub fn sane(&self) -> Self {
         let directions = |d: [usize; 3]| [d[0].clamp(2, 256), d[1].clamp(2, 256), d[2].clamp(1, 256)];
         Self {
             rows: self.rows.clamp(2, 1024),

@@ -68,6 +68,13 @@ impl Mapping {
     }
 }
 
+/// How the columns of the moment table lie at an altitude: dip of the horizon and lowest Sun (rad), a, 1/(b − a); see
+/// `Mapping::suns`. What the renderer tabulates over altitude.
+pub fn sun_columns(radius_m: f64, top_m: f64, altitude_m: f64) -> [f64; 4] {
+    let suns = Mapping { radius_m, top_m, rows: 2, columns: 2 }.suns(altitude_m);
+    [suns.dip_rad, suns.lowest_rad, suns.a, 1.0 / (suns.b - suns.a)]
+}
+
 impl Suns {
     /// Column coordinate 0..=1 of a zenith cosine, and a factor on the light: 1 in the table; below its lowest Sun the
     /// coordinate stays and the factor falls to 0 over five degrees.

@@ -1,20 +1,19 @@
 // What every pass knows: one uniform for the frame, one for each view.
 // Field order and sizes are mirrored in frame/mod.rs; a test compares the offsets.
 
+// Lights that a frame may have: suns, and moons once they are drawn.
+const MOST_LIGHTS: u32 = 4u;
+
 struct FrameUniform {
     // Rows R, G, B: linear Rec. 709 in cd/m² from radiance per unit irradiance of the Sun.
     rec709_from_four_r: vec4f,
     rec709_from_four_g: vec4f,
     rec709_from_four_b: vec4f,
-    ground_albedo: vec4f,
     // Coefficients of the Sun's limb darkening: Σ c_k µ^k relative to the mean.
     limb_darkening: array<vec4f, 6>,
-    bottom_radius_m: f32,
-    top_altitude_m: f32,
-    // Irradiance of the Sun relative to 1 au.
-    sun_irradiance: f32,
     // Multiplies luminance; 0: take it from the exposure texture.
     exposure: f32,
+    // Cells along a ray.
     steps: u32,
     tonemap: u32,
     // 1: the target wants display-encoded values; 2: it encodes by itself (an sRGB format).
@@ -25,11 +24,28 @@ struct FrameUniform {
     largest: f32,
     // Added to automatic exposure, as a factor.
     compensation: f32,
-    padding: vec2f,
+    light_count: u32,
+}
+
+// A sun as a view sees it.
+struct LightUniform {
+    // Towards it without refraction, in view space.
+    direction: vec3f,
+    // Apparent radius of its disc, rad.
+    radius: f32,
+    // Towards its disc, refracted, in view space.
+    disc_direction: vec3f,
+    disc_visible: u32,
+    // Irradiance above the air relative to the preset's star at 1 au.
+    irradiance: vec4f,
+    // Its heading on the view's horizon, a unit vector in view space.
+    heading: vec3f,
+    // Cosine of its zenith angle at the view.
+    mu_s: f32,
 }
 
 struct ViewUniform {
-    // Ray directions in view space: origin + x · ndc.x + y · ndc.y (perspective and orthographic).
+    // Ray directions in view space: origin + x · ndc.x + y · ndc.y (perspective).
     ray_origin: vec3f,
     projection: u32,
     ray_x: vec3f,
@@ -41,28 +57,21 @@ struct ViewUniform {
     // The zenith in view space.
     up: vec3f,
     altitude_m: f32,
-    // Towards the Sun's disc, refracted, in view space.
-    sun_disc: vec3f,
-    sun_radius: f32,
-    // Towards the Sun without refraction, in view space.
-    sun: vec3f,
-    sun_disc_visible: u32,
     // For equirectangular pictures: view space from east, north (up is above).
     east: vec3f,
-    padding_0: f32,
+    // Which of the frame's stations the view stands at: its layer of the tables per station.
+    station: u32,
     north: vec3f,
-    padding_1: f32,
+    // 1: the sky comes from the sky-view table; 0: every pixel marches its ray.
+    sky_view: u32,
     // Part of the picture that is drawn: ndc of the picture = xy + zw · ndc of the target.
     tile: vec4f,
     // First pixel of that part.
     pixel: vec2f,
-    padding_2: vec2f,
+    padding: vec2f,
+    lights: array<LightUniform, 4>,
 }
 
 @group(0) @binding(0) var<uniform> frame: FrameUniform;
-@group(0) @binding(1) var extinction_table: texture_2d<f32>;
-@group(0) @binding(2) var scattering_table: texture_2d<f32>;
-@group(0) @binding(3) var optical_depth_table: texture_2d<f32>;
-@group(0) @binding(4) var irradiance_table: texture_2d<f32>;
-@group(0) @binding(5) var exposure_texture: texture_2d<f32>;
+@group(0) @binding(6) var exposure_texture: texture_2d<f32>;
 @group(1) @binding(0) var<uniform> view: ViewUniform;

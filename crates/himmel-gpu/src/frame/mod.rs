@@ -2,6 +2,9 @@
 
 use crate::layout::gpu_struct;
 
+/// Most lights of a frame: suns, and moons once they are drawn.
+pub const MOST_LIGHTS: usize = 4;
+
 gpu_struct! {
     /// One for each frame; the fields are explained in `frame.wgsl`.
     pub struct FrameUniform {
@@ -11,19 +14,11 @@ gpu_struct! {
         pub rec709_from_four_g: [f32; 4],
         /// Row B.
         pub rec709_from_four_b: [f32; 4],
-        /// Ground albedo at the four wavelengths.
-        pub ground_albedo: [f32; 4],
         /// Limb-darkening coefficients at the four wavelengths.
         pub limb_darkening: [[f32; 4]; 6],
-        /// Radius of the ground, m.
-        pub bottom_radius_m: f32,
-        /// Altitude of the top of the air, m.
-        pub top_altitude_m: f32,
-        /// Irradiance of the Sun relative to 1 au.
-        pub sun_irradiance: f32,
         /// Factor on luminance; 0: automatic.
         pub exposure: f32,
-        /// Samples along a ray.
+        /// Cells along a ray.
         pub steps: u32,
         /// Index of the tone mapper.
         pub tonemap: u32,
@@ -35,8 +30,28 @@ gpu_struct! {
         pub largest: f32,
         /// Factor on automatic exposure.
         pub compensation: f32,
-        /// Fills up.
-        pub padding: [f32; 2],
+        /// Lights in use.
+        pub light_count: u32,
+    }
+}
+
+gpu_struct! {
+    /// A sun as a view sees it.
+    pub struct LightUniform {
+        /// Direction without refraction in view space.
+        pub direction: [f32; 3],
+        /// Apparent radius of the disc, rad.
+        pub radius: f32,
+        /// Refracted direction of the disc in view space.
+        pub disc_direction: [f32; 3],
+        /// Whether the disc is drawn.
+        pub disc_visible: u32,
+        /// Irradiance relative to the preset's star at 1 au.
+        pub irradiance: [f32; 4],
+        /// Heading on the view's horizon in view space.
+        pub heading: [f32; 3],
+        /// Cosine of its zenith angle.
+        pub mu_s: f32,
     }
 }
 
@@ -59,27 +74,21 @@ gpu_struct! {
         pub up: [f32; 3],
         /// Altitude of the camera, m.
         pub altitude_m: f32,
-        /// Refracted direction of the Sun's disc in view space.
-        pub sun_disc: [f32; 3],
-        /// Apparent radius of the disc, rad.
-        pub sun_radius: f32,
-        /// Direction of the Sun without refraction in view space.
-        pub sun: [f32; 3],
-        /// Whether the disc is drawn.
-        pub sun_disc_visible: u32,
         /// Camera-relative east for equirectangular pictures.
         pub east: [f32; 3],
-        /// Fills up.
-        pub padding_0: f32,
+        /// Layer of the tables per station.
+        pub station: u32,
         /// The camera's azimuth on the horizon.
         pub north: [f32; 3],
-        /// Fills up.
-        pub padding_1: f32,
+        /// Whether the sky comes from the sky-view table.
+        pub sky_view: u32,
         /// Part of the picture that is drawn.
         pub tile: [f32; 4],
         /// First pixel of that part.
         pub pixel: [f32; 2],
         /// Fills up.
-        pub padding_2: [f32; 2],
+        pub padding: [f32; 2],
+        /// The lights.
+        pub lights: [LightUniform; MOST_LIGHTS],
     }
 }

@@ -43,6 +43,20 @@ fn depth_table_uv(radius_m: f32, top_m: f32, altitude_m: f32, mu: f32) -> vec2f 
     return clamp(vec2f((d - nearest) / (farthest - nearest), rho / rho_top), vec2f(0.0), vec2f(1.0));
 }
 
+// Inverse of depth_table_uv: altitude and zenith cosine.
+fn depth_table_ray(radius_m: f32, top_m: f32, u: f32, v: f32) -> vec2f {
+    let rho_top = sqrt(excess(radius_m, top_m));
+    let rho = v * rho_top;
+    let altitude_m = rho * rho / (radius_m + sqrt(radius_m * radius_m + rho * rho));
+    let nearest = top_m - altitude_m;
+    let d = nearest + u * (rho + rho_top - nearest);
+    if d <= 0.0 {
+        return vec2f(altitude_m, 1.0);
+    }
+    let gap = (rho_top - rho) * (rho_top + rho);
+    return vec2f(altitude_m, clamp((gap - d * d) / (2.0 * d * (radius_m + altitude_m)), -1.0, 1.0));
+}
+
 fn shadow_interval(radius_m: f32, altitude_m: f32, mu: f32, mu_s: f32, nu: f32) -> vec2f {
     let r = radius_m + altitude_m;
     let a = 1.0 - nu * nu;

@@ -1,16 +1,169 @@
-//! The air: sunlight scattered on its way to you, and the extinction of everything behind it.
+//! The air: sunlight scattered any number of times on its way to you, and the extinction of everything behind it.
 //!
-//! - **What it is**: a march along each pixel's ray over the lit part of the air, with the optical depth to the Sun from
-//!   a table. The model, and the twin of every function in `air.wgsl`, is [`himmel_air`].
-//! - **What it costs**: 32 samples a pixel, each two reads of the medium, four of scattering, four of optical depth and
-//!   two exponentials. Tables: 1.13 MiB. No table depends on the Sun, so time costs nothing.
-//! - **What it leaves out**: light that is scattered more than once. Skies are therefore too dark, most so at the
-//!   horizon, in twilight and in haze; by how much is measured once the reference tracer exists. The moment table of the issue
-//!   "The air on the GPU" adds it at the line marked "Orders ≥ 2".
-//! - **Known to look wrong**: haze (`earth-haze`, `titan-reference`) is far too dark and too contrasty for the same
-//!   reason; the Sun is a point for shadows, so the edge of the Earth's shadow is sharper than in nature; refraction
-//!   moves the Sun's disc but does not flatten it.
+//! - **What it is**: a table of six moments of the scattered light over altitude and Sun, filled order by order when the
+//!   medium changes ([`build`]); from it a march along each ray, into a sky-view table that pixels look up ([`AirQuality`]
+//!   low to high) or for every pixel (film, from above the air, in eclipses). The model, and the twin of every function
+//!   in the shaders, is [`himmel_air::moments`].
+//! - **What it costs**: `docs/air-on-the-gpu.md` has the tables of time, memory and error. The Sun's motion rebuilds
+//!   nothing but the sky view.
+//! - **What it leaves out**: polarisation, terrain in the multiple scattering.
+//! - **Known to look wrong**: see [`himmel_air::moments`]: the zenith of Mars with the Sun at the horizon, thick haze near
+//!   a low Sun, beneath the clouds of Venus.
 
+pub mod build;
+mod query;
+mod sizes;
+mod stations;
 mod tables;
+pub mod uniform;
 
-pub(crate) use tables::Tables;
+use himmel_air::moments::Prepared;
+use himmel_air::{AirQuality, Atmosphere};
+
+use crate::error::GpuError;
+use crate::frame::FrameUniform;
+use crate::pass::{Bound, Slot, bind, layers, layout};
+use build::{Builder, Pace, Rebuild};
+pub use query::{Query, RayAnswer, RayMeter};
+pub use sizes::AirSizes;
+pub(crate) use stations::{Stations, view_slot};
+use tables::Tables;
+use uniform::{AirUniform, MOST_BODIES};
+
+/// All of the air: tables, the passes that fill them, the group that shaders read them by.
+pub(crate) struct Air {
+    pub sizes: AirSizes,
+    tables: Tables,
+    builder: Builder,
+    pub stations: Stations,
+    pub layout: wgpu::BindGroupLayout,
+    pub group: wgpu::BindGroup,
+    peak_layers: usize,
+    frame_buffer: wgpu::Buffer,
+    exposure: wgpu::TextureView,
+}
+
+impl Air {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        sizes: AirSizes,
+        atmosphere: &Atmosphere,
+        frame_buffer: &wgpu::Buffer,
+        exposure: &wgpu::TextureView,
+    ) -> Result<Self, GpuError> {
+        let prepared = Prepared::new(&atmosphere.sampled(), &sizes.moments);
+        Self::with_prepared(device, queue, sizes, atmosphere, &prepared, frame_buffer, exposure)
+    }
+
+    fn with_prepared(
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        sizes: AirSizes,
+        atmosphere: &Atmosphere,
+        prepared: &Prepared,
+        frame_buffer: &wgpu::Buffer,
+        exposure: &wgpu::TextureView,
+    ) -> Result<Self, GpuError> {
+        let peak_layers = prepared.aerosols.len().max(1);
+        let mut tables = Tables::new(device, &sizes, 1, peak_layers as u32);
+        tables.upload(queue, 0, atmosphere, prepared, 0)?;
+        let uniform = |size: usize| Slot::Uniform(size as u64, false);
+        let slots = [
+            (0, uniform(size_of::<FrameUniform>())),
+            (1, uniform(MOST_BODIES * size_of::<AirUniform>())),
+            (2, Slot::Layers),
+            (3, Slot::Layers),
+            (4, Slot::Layers),
+            (5, Slot::Layers),
+            (6, Slot::Table),
+            (7, Slot::Table),
+        ];
+        let layout = layout(device, "air", wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE, &slots);
+        let textures = [&tables.density, &tables.depth, &tables.moments, &tables.peaks].map(layers);
+        let ground = tables.ground.create_view(&Default::default());
+        let group = bind(
+            device,
+            "air",
+            &layout,
+            &[
+                (0, Bound::Buffer(frame_buffer)),
+                (1, Bound::Buffer(&tables.uniforms)),
+                (2, Bound::View(&textures[0])),
+                (3, Bound::View(&textures[1])),
+                (4, Bound::View(&textures[2])),
+                (5, Bound::View(&textures[3])),
+                (6, Bound::View(exposure)),
+                (7, Bound::View(&ground)),
+            ],
+        );
+        let mut builder = Builder::new(device, queue, &sizes, &tables)?;
+        builder.begin(0, true);
+        let stations = Stations::new(device, &sizes, &tables, &layout)?;
+        Ok(Self {
+            sizes,
+            tables,
+            builder,
+            stations,
+            layout,
+            group,
+            peak_layers,
+            frame_buffer: frame_buffer.clone(),
+            exposure: exposure.clone(),
+        })
+    }
+
+    /// Takes another medium; true if the tables, and with them every bind group, are new.
+    pub(crate) fn set(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        sizes: AirSizes,
+        atmosphere: &Atmosphere,
+    ) -> Result<bool, GpuError> {
+        let prepared = Prepared::new(&atmosphere.sampled(), &sizes.moments);
+        if sizes == self.sizes && prepared.aerosols.len().max(1) == self.peak_layers {
+            self.tables.upload(queue, 0, atmosphere, &prepared, 0)?;
+            self.builder.begin(0, true);
+            return Ok(false);
+        }
+        let (frame_buffer, exposure) = (self.frame_buffer.clone(), self.exposure.clone());
+        *self = Self::with_prepared(device, queue, sizes, atmosphere, &prepared, &frame_buffer, &exposure)?;
+        Ok(true)
+    }
+
+    /// Makes room for stations and lights; true if bind groups with the stations' tables are stale.
+    pub(crate) fn reserve(&mut self, device: &wgpu::Device, stations: u32, lights: u32) -> bool {
+        self.stations.reserve(device, &self.sizes, stations, lights)
+    }
+
+    /// Records what is left to build.
+    pub(crate) fn build(
+        &mut self,
+        device: &wgpu::Device,
+        encoder: &mut wgpu::CommandEncoder,
+        pace: Pace,
+        write: &mut dyn FnMut(&mut wgpu::CommandEncoder, &wgpu::Buffer, u64, &[u8]),
+    ) {
+        self.builder.record(device, encoder, pace, write);
+    }
+
+    pub(crate) fn rebuilding(&self) -> Option<Rebuild> {
+        self.builder.state()
+    }
+
+    pub(crate) fn cancel(&mut self) {
+        self.builder.cancel();
+    }
+
+    /// Memory in bytes: tables, and what building them needs.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.tables.bytes() + self.stations.bytes() + self.builder.bytes()
+    }
+
+    /// The quality's sizes with a number of cells chosen by hand.
+    pub(crate) fn sizes_of(quality: AirQuality, steps: Option<u32>) -> AirSizes {
+        let sizes = AirSizes::of(quality);
+        AirSizes { steps: steps.unwrap_or(sizes.steps).clamp(4, 4096), ..sizes }
+    }
+}

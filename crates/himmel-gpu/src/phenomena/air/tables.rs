@@ -1,100 +1,125 @@
-//! The air's tables on the GPU, integrated in f64 by `himmel-air` and uploaded when the medium changes.
+//! The air's tables on the GPU. Densities and peaks come from `himmel-air`; all else is computed here from them.
 
 use himmel_air::Atmosphere;
-use himmel_air::atmosphere::IRRADIANCE_WIDTH;
+use himmel_air::moments::{Prepared, sun_columns};
 
-/// Altitudes of the medium, spaced as √(h / top).
-const ALTITUDES: usize = 256;
-/// Scattering angles, spaced as √(θ / π): crowded in the forward peak.
-const ANGLES: usize = 256;
+use super::sizes::AirSizes;
+use super::uniform::{AirUniform, MOST_BODIES};
+use crate::error::GpuError;
 
-/// The four tables.
+/// Rows of the density table: four for sixteen species, one for the columns of the moment table.
+const DENSITY_ROWS: u32 = 5;
+
+/// The tables of all bodies: one layer (or several) for each.
 pub(crate) struct Tables {
-    extinction: wgpu::Texture,
-    scattering: wgpu::Texture,
-    optical_depth: wgpu::Texture,
-    irradiance: wgpu::Texture,
+    pub uniforms: wgpu::Buffer,
+    pub density: wgpu::Texture,
+    pub depth: wgpu::Texture,
+    pub moments: wgpu::Texture,
+    pub peaks: wgpu::Texture,
+    pub ground: wgpu::Texture,
+    airs: Vec<AirUniform>,
 }
 
 impl Tables {
-    pub(crate) fn new(device: &wgpu::Device, depth_size: (usize, usize)) -> Self {
-        let texture = |label, width: usize, height: usize| {
+    /// Room for `bodies` bodies with `aerosols` aerosols in all.
+    pub(crate) fn new(device: &wgpu::Device, sizes: &AirSizes, bodies: u32, aerosols: u32) -> Self {
+        let texture = |label, [width, height]: [u32; 2], layers: u32, usage| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
-                size: wgpu::Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: 1 },
+                size: wgpu::Extent3d { width, height, depth_or_array_layers: layers.max(1) },
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
                 format: wgpu::TextureFormat::Rgba32Float,
-                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+                usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_SRC | usage,
                 view_formats: &[],
             })
         };
+        let quality = &sizes.moments;
+        let (rows, columns) = (quality.rows as u32, quality.columns as u32);
+        let peaks = [quality.peak_angles as u32, 2 * quality.peak_depths as u32 + 1];
+        let (uploaded, computed) = (wgpu::TextureUsages::COPY_DST, wgpu::TextureUsages::STORAGE_BINDING);
+        let both = uploaded | computed;
+        let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("airs"),
+            size: (MOST_BODIES * size_of::<AirUniform>()) as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
         Self {
-            extinction: texture("extinction", ALTITUDES, 1),
-            scattering: texture("scattering", ANGLES, ALTITUDES),
-            optical_depth: texture("optical depth", depth_size.0, depth_size.1),
-            irradiance: texture("irradiance", IRRADIANCE_WIDTH, 1),
+            uniforms,
+            density: texture("densities", [sizes.densities, DENSITY_ROWS], bodies, uploaded),
+            depth: texture("optical depth", sizes.depth, 2 * bodies, computed),
+            moments: texture("moments", [columns, rows], 6 * bodies, both),
+            peaks: texture("peaks", peaks, aerosols, uploaded),
+            ground: texture("ground irradiance", [columns, bodies.max(2)], 1, both),
+            airs: vec![AirUniform::default(); MOST_BODIES],
         }
     }
 
-    /// Views in the order of the bindings 1 to 4.
-    pub(crate) fn views(&self) -> [wgpu::TextureView; 4] {
-        [&self.extinction, &self.scattering, &self.optical_depth, &self.irradiance]
-            .map(|texture| texture.create_view(&Default::default()))
+    /// Uploads the medium of a body. `first_layer`: where its aerosols' peaks lie.
+    pub(crate) fn upload(
+        &mut self,
+        queue: &wgpu::Queue,
+        body: usize,
+        atmosphere: &Atmosphere,
+        prepared: &Prepared,
+        first_layer: usize,
+    ) -> Result<(), GpuError> {
+        self.airs[body] = AirUniform::new(atmosphere, prepared, first_layer)?;
+        queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&self.airs));
+        let (medium, width) = (atmosphere.medium(), self.density.width() as usize);
+        let altitude_m = |x: usize| medium.top_altitude_m * (x as f64 / (width - 1) as f64).powi(2);
+        let mut density = vec![[0f32; 4]; width * DENSITY_ROWS as usize];
+        for (index, species) in prepared.species.iter().enumerate() {
+            for x in 0..width {
+                density[index / 4 * width + x][index % 4] = species.profile.at(altitude_m(x)) as f32;
+            }
+        }
+        for x in 0..width {
+            let suns = sun_columns(medium.bottom_radius_m, medium.top_altitude_m, altitude_m(x));
+            density[(DENSITY_ROWS as usize - 1) * width + x] = suns.map(|value| value as f32);
+        }
+        write(queue, &self.density, body, &density);
+        let (angles, depths) = (prepared.angles, prepared.depths);
+        for (index, aerosol) in prepared.aerosols.iter().enumerate() {
+            let mut texels = Vec::with_capacity(angles * (2 * depths + 1));
+            for form in &aerosol.corrections_per_sr {
+                for depth in 0..depths {
+                    texels.extend((0..angles).map(|angle| form[angle * depths + depth].map(|value| value as f32)));
+                }
+            }
+            texels.extend(aerosol.phase_per_sr.iter().map(|phase| phase.map(|value| value as f32)));
+            write(queue, &self.peaks, first_layer + index, &texels);
+        }
+        Ok(())
+    }
+
+    /// Largest number of aerosols in the air of a body.
+    pub(crate) fn aerosols(&self) -> u32 {
+        self.airs.iter().map(|air| air.aerosol_count).max().unwrap_or(0)
     }
 
     /// Memory of the tables in bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        [&self.extinction, &self.scattering, &self.optical_depth, &self.irradiance]
-            .iter()
-            .map(|texture| u64::from(texture.width()) * u64::from(texture.height()) * 16)
-            .sum()
-    }
-
-    pub(crate) fn upload(&self, queue: &wgpu::Queue, atmosphere: &Atmosphere) {
-        let air = atmosphere.sampled();
-        let medium = atmosphere.medium();
-        let altitude_m = |y: usize| medium.top_altitude_m * (y as f64 / (ALTITUDES - 1) as f64).powi(2);
-        let extinction: Vec<[f32; 4]> = (0..ALTITUDES).map(|y| narrow(air.extinction_per_m(altitude_m(y)))).collect();
-        write(queue, &self.extinction, &extinction);
-
-        let phases: Vec<Vec<[f64; 4]>> = (0..ANGLES)
-            .map(|x| air.phases((std::f64::consts::PI * (x as f64 / (ANGLES - 1) as f64).powi(2)).cos()))
-            .collect();
-        let mut scattering = Vec::with_capacity(ANGLES * ALTITUDES);
-        for y in 0..ALTITUDES {
-            let density: Vec<f64> = medium.components.iter().map(|c| c.profile.at(altitude_m(y))).collect();
-            for phase in &phases {
-                let mut sum = [0.0; 4];
-                for (c, component) in air.components.iter().enumerate() {
-                    for k in 0..4 {
-                        sum[k] += density[c] * component.scattering_per_m[k] * phase[c][k];
-                    }
-                }
-                scattering.push(narrow(sum));
-            }
-        }
-        write(queue, &self.scattering, &scattering);
-
-        let (width, height) = atmosphere.depth_size();
-        let log2 = |depth: [f64; 4]| narrow(depth.map(|tau| tau.max(1e-30).log2()));
-        let mut depths = Vec::with_capacity(width * height);
-        for y in 0..height {
-            depths.extend((0..width).map(|x| log2(atmosphere.depth_at_node(&air, x, y))));
-        }
-        write(queue, &self.optical_depth, &depths);
-        let irradiance: Vec<[f32; 4]> = atmosphere.ground_sky_irradiance().iter().map(|e| log2(*e)).collect();
-        write(queue, &self.irradiance, &irradiance);
+        [&self.density, &self.depth, &self.moments, &self.peaks, &self.ground].into_iter().map(texture_bytes).sum()
     }
 }
 
-fn narrow(values: [f64; 4]) -> [f32; 4] {
-    values.map(|value| value as f32)
+/// Memory of a texture in bytes.
+pub(crate) fn texture_bytes(texture: &wgpu::Texture) -> u64 {
+    let texel = u64::from(texture.format().block_copy_size(None).unwrap_or(0));
+    u64::from(texture.width()) * u64::from(texture.height()) * u64::from(texture.depth_or_array_layers()) * texel
 }
 
-fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, texels: &[[f32; 4]]) {
-    let layout =
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(texture.width() * 16), rows_per_image: None };
-    queue.write_texture(texture.as_image_copy(), bytemuck::cast_slice(texels), layout, texture.size());
+fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, layer: usize, texels: &[[f32; 4]]) {
+    let (width, height) = (texture.width(), texture.height());
+    let target = wgpu::TexelCopyTextureInfo {
+        origin: wgpu::Origin3d { x: 0, y: 0, z: layer as u32 },
+        ..texture.as_image_copy()
+    };
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 16), rows_per_image: None };
+    let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    queue.write_texture(target, bytemuck::cast_slice(texels), layout, size);
 }

@@ -14,15 +14,15 @@ fn relative_disc_brightness(radius_fraction: f32, c: array<vec4f, 6>) -> vec4f {
 // Samples along each side of a pixel that the disc touches.
 const DISC_SAMPLES: u32 = 4u;
 
-// Radiance of the disc per unit irradiance of the Sun, 1/sr, averaged over a pixel. `ray`: unit vector in view space;
+// Radiance of a light's disc per unit irradiance of the Sun, 1/sr, averaged over a pixel. `ray`: unit vector in view space;
 // `dx`, `dy`: how it changes to the next pixel. A disc smaller than a pixel is widened to three quarters of one, its flux
 // kept; 4 × 4 points smooth the edge and hold the flux of a picture within some per cent.
-fn sun_disc_radiance(ray: vec3f, dx: vec3f, dy: vec3f) -> vec4f {
+fn sun_disc_radiance(light: u32, ray: vec3f, dx: vec3f, dy: vec3f) -> vec4f {
     let pixel = max(length(dx), length(dy));
-    let drawn = max(view.sun_radius, 0.75 * pixel);
+    let drawn = max(view.lights[light].radius, 0.75 * pixel);
     // From chords, not from dot products: f32 cosines of small angles have no digits left.
-    let offset = ray - view.sun_disc;
-    if view.sun_disc_visible == 0u || length(offset) > drawn + pixel {
+    let offset = ray - view.lights[light].disc_direction;
+    if view.lights[light].disc_visible == 0u || length(offset) > drawn + pixel {
         return vec4f(0.0);
     }
     var sum = vec4f(0.0);

@@ -1,0 +1,369 @@
+// A ray through the air with all orders of scattering, and what the air leaves of the light behind it.
+// Twin of himmel_air::moments::radiance.
+
+//#include "phenomena/air/medium.wgsl"
+//#include "phenomena/ground/ground.wgsl"
+
+// How slant a ray must be (cosine to the vertical) for the two forms of the aerosol's peak to weigh the same.
+const EVEN_SLANT: f32 = 0.1;
+// Share of the cells that goes to the lit parts of a ray through the planet's shadow.
+const LIT_SHARE: f32 = 0.4;
+
+// Where the cells of a ray lie: distances over the ray's length at shares 0..1 of the cells (columns), for elevations
+// (rows, as `elevation_row`). x: of the whole ray; y: by what each stretch scatters, flattened.
+@group(1) @binding(1) var cell_table: texture_2d_array<f32>;
+
+// The start of a ray, moved to where it enters the air if it begins above.
+struct AirRay {
+    altitude_m: f32,
+    mu: f32,
+    mu_s: f32,
+    nu: f32,
+    // Angle between ray and Sun.
+    theta: f32,
+    // Distance from the viewer to the start.
+    before_m: f32,
+    misses: bool,
+}
+
+struct AirMarch {
+    // Per unit irradiance of the Sun, 1/sr.
+    radiance: vec4f,
+    // Of the scaled medium: what extended things behind keep.
+    through_extended: vec4f,
+    // Of the medium: what discs and stars keep.
+    through: vec4f,
+    // Cosine of the Sun's zenith angle where the ray meets the ground.
+    ground_mu_s: f32,
+    hits_ground: bool,
+    // Of each aerosol, for the peak evaluated elsewhere: weights of the S and the U form (β and 1 − β included) …
+    weights: array<vec4f, 8>,
+    // … and the mean depths of the peaks at the reference, of S and U.
+    depths: vec2f,
+}
+
+// sin_theta: sine of the ray's zenith angle, taken from vectors because 1 − µ² cancels far from the planet.
+fn enter(altitude_m: f32, mu: f32, sin_theta: f32, mu_s: f32, nu: f32, theta: f32) -> AirRay {
+    var ray = AirRay(altitude_m, mu, mu_s, nu, theta, 0.0, false);
+    let top = airs[body].top_altitude_m;
+    if altitude_m <= top {
+        return ray;
+    }
+    let r = airs[body].bottom_radius_m + altitude_m;
+    let r_top = airs[body].bottom_radius_m + top;
+    let impact = r * sin_theta;
+    if mu >= 0.0 || impact >= r_top {
+        ray.misses = true;
+        return ray;
+    }
+    let root = sqrt((r_top - impact) * (r_top + impact));
+    let t = -r * mu - root;
+    ray.altitude_m = top;
+    ray.mu = -root / r_top;
+    ray.mu_s = clamp((r * mu_s + t * nu) / r_top, -1.0, 1.0);
+    ray.before_m = t;
+    return ray;
+}
+
+// The angle between two unit vectors; from their chord where cosines have no digits.
+fn angle_between(a: vec3f, b: vec3f) -> f32 {
+    let c = dot(a, b);
+    if c > 0.0 {
+        return 2.0 * asin(min(0.5 * length(a - b), 1.0));
+    }
+    return PI - 2.0 * asin(min(0.5 * length(a + b), 1.0));
+}
+
+// Texel row of an elevation in tables that are split at the horizon and crowd there: the lower half of the rows is for
+// rays below it, none lies between. `below`: which side.
+fn elevation_texel(elevation: f32, horizon: f32, below: bool, rows: i32) -> f32 {
+    let half_rows = f32(rows / 2);
+    let span = select(0.5 * PI - horizon, 0.5 * PI + horizon, below);
+    let x = pow(clamp(abs(elevation - horizon) / max(span, 1e-6), 0.0, 1.0), 1.0 / 3.0);
+    return select(half_rows + x * (half_rows - 1.0), (1.0 - x) * (half_rows - 1.0), below);
+}
+
+// The elevation of a texel row of such a table.
+fn elevation_of_texel(y: i32, rows: i32, horizon: f32) -> f32 {
+    let half_rows = rows / 2;
+    if y < half_rows {
+        let x = 1.0 - f32(y) / f32(half_rows - 1);
+        return horizon - x * x * x * (0.5 * PI + horizon);
+    }
+    let x = f32(y - half_rows) / f32(half_rows - 1);
+    return horizon + x * x * x * (0.5 * PI - horizon);
+}
+
+// Zenith cosine of a texel: at the horizon itself a little to its side, so that f32 can tell the two apart.
+fn texel_mu(y: i32, rows: i32, altitude_m: f32) -> f32 {
+    let horizon = horizon_cosine(airs[body].bottom_radius_m, altitude_m);
+    let mu = sin(elevation_of_texel(y, rows, asin(horizon)));
+    return select(max(mu, horizon + 1e-6), min(mu, horizon - 1e-6), y < rows / 2);
+}
+
+// A column of the cell table, between two rows.
+fn cell_texel(x: i32, row: f32) -> vec2f {
+    let last = i32(textureDimensions(cell_table).y) - 1;
+    let base = clamp(i32(row), 0, max(last - 1, 0));
+    let next = min(base + 1, last);
+    return mix(
+        textureLoad(cell_table, vec2i(x, base), view.station, 0).xy,
+        textureLoad(cell_table, vec2i(x, next), view.station, 0).xy,
+        clamp(row - f32(base), 0.0, 1.0),
+    );
+}
+
+// Where a share of the cells ends, as a share of the ray.
+fn cell_edge(share: f32, row: f32) -> vec2f {
+    let last = i32(textureDimensions(cell_table).x) - 1;
+    let p = clamp(share, 0.0, 1.0) * f32(last);
+    let base = min(i32(p), last - 1);
+    return mix(cell_texel(base, row), cell_texel(base + 1, row), p - f32(base));
+}
+
+// The share of the flattened cells that ends at a place of the ray.
+fn lit_share(place: f32, row: f32) -> f32 {
+    let last = i32(textureDimensions(cell_table).x) - 1;
+    var low = 0;
+    var high = last;
+    while high - low > 1 {
+        let middle = (low + high) / 2;
+        if cell_texel(middle, row).y <= place {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    let from_place = cell_texel(low, row).y;
+    let to_place = cell_texel(high, row).y;
+    let within = clamp((place - from_place) / max(to_place - from_place, 1e-9), 0.0, 1.0);
+    return (f32(low) + within) / f32(last);
+}
+
+// A correction of the forward peak, per unit of scattering, 1/sr. which: 0 for S, 1 for U.
+fn peak_correction(layer: u32, which: f32, theta_coordinate: f32, depth: f32) -> vec4f {
+    let size = vec2f(textureDimensions(peak_table));
+    let depths = 0.5 * (size.y - 1.0);
+    let y = which * depths + sqrt(depth / (6.0 + depth)) * (depths - 1.0);
+    return table_lookup(peak_table, layer, vec2f(theta_coordinate, y / (size.y - 1.0)));
+}
+
+// An aerosol's phase function, 1/sr.
+fn aerosol_phase(layer: u32, theta_coordinate: f32) -> vec4f {
+    let row = i32(textureDimensions(peak_table).y) - 1;
+    let last = i32(textureDimensions(peak_table).x) - 1;
+    let p = clamp(theta_coordinate, 0.0, 1.0) * f32(last);
+    let base = min(i32(p), last - 1);
+    return mix(
+        textureLoad(peak_table, vec2i(base, row), layer, 0),
+        textureLoad(peak_table, vec2i(base + 1, row), layer, 0),
+        p - f32(base),
+    );
+}
+
+// Coordinate of a scattering angle in the peak table.
+fn theta_coordinate_of(theta: f32) -> f32 {
+    return sqrt(clamp(theta / PI, 0.0, 1.0));
+}
+
+// What the smooth polynomial leaves of an aerosol's phase function, per unit of scattering: the S form at a depth of the
+// peaks on the whole way, and the U form at the depth on the way to the Sun.
+fn peak_scaled(aerosol: u32, phase: vec4f, theta_coordinate: f32, nu: f32, depth: f32) -> vec4f {
+    let second = 0.5 * (3.0 * nu * nu - 1.0);
+    let smooth_part = airs[body].aerosols[aerosol].smooth_0 + 3.0 * nu * airs[body].aerosols[aerosol].smooth_1
+        + 5.0 * second * airs[body].aerosols[aerosol].smooth_2;
+    let polynomial = smooth_part / (4.0 * PI * max(airs[body].aerosols[aerosol].scattering, vec4f(1e-30)));
+    let passed = exp(-depth * airs[body].peak_ratio);
+    let correction = peak_correction(airs[body].aerosols[aerosol].layer, 0.0, theta_coordinate, depth);
+    return passed * (phase - polynomial) + (vec4f(1.0) - passed) * correction;
+}
+
+fn peak_unscaled(aerosol: u32, phase: vec4f, theta_coordinate: f32, depth: f32) -> vec4f {
+    let passed = exp(-depth * airs[body].peak_ratio);
+    let correction = peak_correction(airs[body].aerosols[aerosol].layer, 1.0, theta_coordinate, depth);
+    return passed * phase + (vec4f(1.0) - passed) * correction;
+}
+
+// ∫ e^(−σt) dt over a cell, and what passes it. Below a depth of 1e-3 the closed form cancels in f32; the series is
+// exact to 1e-7.
+struct CellPass {
+    length: vec4f,
+    passed: vec4f,
+}
+
+fn pass_cell(extinction: vec4f, dt: f32) -> CellPass {
+    let x = extinction * dt;
+    let passed = exp(-x);
+    let closed = (vec4f(1.0) - passed) / max(extinction, vec4f(1e-30));
+    return CellPass(select(closed, dt * (vec4f(1.0) - 0.5 * x + x * x / 6.0), x < vec4f(1e-3)), passed);
+}
+
+// Marches a ray. cell_row: its row in the cell table. keep: share of the aerosols' peaks that counts in the radiance; the
+// rest is for the reader of `weights`. limit_m: where the ray is cut (1e30: where the air ends).
+fn march_air(start: AirRay, cell_row: f32, keep: f32, limit_m: f32) -> AirMarch {
+    var result: AirMarch;
+    result.through_extended = vec4f(1.0);
+    result.through = vec4f(1.0);
+    if start.misses || limit_m <= 0.0 {
+        return result;
+    }
+    let radius = airs[body].bottom_radius_m;
+    let r0 = radius + start.altitude_m;
+    let ground = ground_distance(radius, start.altitude_m, start.mu);
+    var end = ground;
+    if ground >= 0.0 {
+        result.hits_ground = limit_m >= end;
+        result.ground_mu_s = clamp((r0 * start.mu_s + ground * start.nu) / radius, -1.0, 1.0);
+    } else {
+        end = top_distance(radius, airs[body].top_altitude_m, start.altitude_m, start.mu);
+    }
+    let limit = min(end, limit_m);
+    let nu = start.nu;
+    let second = 0.5 * (3.0 * nu * nu - 1.0);
+    let theta_coordinate = theta_coordinate_of(start.theta);
+    let aerosols = airs[body].aerosol_count;
+    var phases: array<vec4f, 4>;
+    for (var a = 0u; a < aerosols; a++) {
+        phases[a] = aerosol_phase(airs[body].aerosols[a].layer, theta_coordinate);
+    }
+
+    // Cells: edges by the table; where the ray crosses the planet's shadow, some of them go to its lit parts alone.
+    let dark = min(shadow_interval(radius, start.altitude_m, start.mu, start.mu_s, nu), vec2f(end));
+    let is_dark = dark.y > dark.x;
+    let crosses = is_dark && (dark.x > 0.0 || dark.y < end);
+    var lit_cells = 0u;
+    var near_lit = 0.0;
+    var far_lit = 1.0;
+    if crosses {
+        lit_cells = u32(round(LIT_SHARE * f32(frame.steps)));
+        if dark.x > 0.0 {
+            near_lit = lit_share(dark.x / end, cell_row);
+        }
+        if dark.y < end {
+            far_lit = lit_share(dark.y / end, cell_row);
+        }
+    }
+    let lit_amount = near_lit + 1.0 - far_lit;
+    let even_cells = frame.steps - lit_cells;
+    var next_even_index = 1u;
+    var next_lit_index = 1u;
+    var next_even = end * cell_edge(1.0 / f32(even_cells), cell_row).x;
+    var next_lit = 2.0 * end;
+
+    var light_scaled = vec4f(0.0);
+    var light_whole = vec4f(0.0);
+    var through_scaled = vec4f(1.0);
+    var through_whole = vec4f(1.0);
+    var depth_view = 0.0;
+    var slant = vec4f(0.0);
+    var slant_weight = vec4f(0.0);
+    var mean_depths = vec2f(0.0);
+    var mean_weights = vec2f(1e-30);
+    var t = 0.0;
+    // Every cell of either kind, and the edges of the shadow.
+    for (var guard = 0u; guard < frame.steps + 4u && t < limit; guard++) {
+        if lit_cells > 0u && next_lit <= t {
+            var share = f32(next_lit_index) / f32(lit_cells) * lit_amount;
+            share = select(share - near_lit + far_lit, share, share <= near_lit);
+            next_lit = end * cell_edge(share, cell_row).y;
+            next_lit_index += 1u;
+            if next_lit_index > lit_cells + 1u {
+                next_lit = 2.0 * end;
+            }
+        }
+        if next_even <= t {
+            next_even_index += 1u;
+            next_even = end * cell_edge(f32(next_even_index) / f32(even_cells), cell_row).x;
+            if next_even_index >= even_cells {
+                next_even = end;
+            }
+        }
+        var next = min(next_even, limit);
+        if lit_cells > 0u {
+            next = min(next, max(next_lit, t));
+        }
+        if is_dark && t < dark.x {
+            next = min(next, dark.x);
+        } else if is_dark && t < dark.y {
+            next = min(next, dark.y);
+        }
+        let dt = next - t;
+        let middle = 0.5 * (t + next);
+        let is_lit = !is_dark || middle < dark.x || middle >= dark.y;
+        t = next;
+        if dt <= 0.0 {
+            continue;
+        }
+
+        let h = altitude_along(radius, start.altitude_m, start.mu, middle);
+        let r = radius + h;
+        let mu = clamp((r0 * start.mu + middle) / r, -1.0, 1.0);
+        let mu_s = clamp((r0 * start.mu_s + middle * nu) / r, -1.0, 1.0);
+        let coordinate = altitude_coordinate(h);
+        let local = local_air(coordinate);
+        let aerosol_scattering = local.scaled_0 + local.peak - local.molecules_0;
+
+        let around = moments_at(coordinate, density_row(SUNS_ROW, coordinate), mu_s);
+        let axes = frame_of_sun(mu, mu_s, nu);
+        var source_scaled = scattered(around, local.scaled_0, local.scaled_1, local.scaled_2, mu, axes);
+        var source_whole = vec4f(0.0);
+        if aerosols > 0u {
+            source_whole = scattered(
+                around, local.scaled_0 + local.peak, local.scaled_1 + local.peak, local.scaled_2 + local.peak, mu, axes);
+        }
+        let cell = pass_cell(local.extinction - local.peak, dt);
+        let cell_whole = pass_cell(local.extinction, dt);
+        if is_lit {
+            let sun = to_space(h, mu_s);
+            let smooth_light = local.scaled_0 + 3.0 * nu * local.scaled_1 + 5.0 * second * local.scaled_2;
+            source_scaled += sun.through * smooth_light / (4.0 * PI);
+            if aerosols > 0u {
+                source_whole += sun.through * (local.molecules_0 + 5.0 * second * local.molecules_2) / (4.0 * PI);
+                for (var a = 0u; a < aerosols; a++) {
+                    let species = airs[body].aerosols[a].species;
+                    let n = local.densities[species / 4u][species % 4u];
+                    let hit = sun.through * n * airs[body].aerosols[a].scattering;
+                    let depth = sun.peak + depth_view;
+                    let weight_scaled = hit * through_scaled * cell.length;
+                    let weight_whole = hit * through_whole * cell_whole.length;
+                    if keep > 0.0 {
+                        source_scaled += keep * hit * peak_scaled(a, phases[a], theta_coordinate, nu, depth);
+                        source_whole += keep * hit * peak_unscaled(a, phases[a], theta_coordinate, sun.peak);
+                    }
+                    if keep < 1.0 {
+                        result.weights[2u * a] += weight_scaled;
+                        result.weights[2u * a + 1u] += weight_whole;
+                        let weight = vec2f(dot(weight_scaled, vec4f(1.0)), dot(weight_whole, vec4f(1.0)));
+                        mean_depths += weight * vec2f(depth, sun.peak);
+                        mean_weights += weight;
+                    }
+                }
+            }
+        }
+        light_scaled += through_scaled * cell.length * source_scaled;
+        through_scaled *= cell.passed;
+        if aerosols > 0u {
+            let weight = through_whole * cell_whole.length;
+            light_whole += weight * source_whole;
+            slant_weight += weight * aerosol_scattering;
+            slant += weight * aerosol_scattering * (abs(mu) / (abs(mu) + EVEN_SLANT));
+            depth_view += local.peak_reference * dt;
+        }
+        through_whole *= cell_whole.passed;
+    }
+    if result.hits_ground {
+        let reflected = ground_radiance(result.ground_mu_s);
+        light_scaled += through_scaled * reflected;
+        light_whole += through_whole * reflected;
+    }
+    let blend = select(vec4f(1.0), slant / max(slant_weight, vec4f(1e-30)), slant_weight > vec4f(0.0));
+    result.radiance = select(light_scaled, blend * light_scaled + (vec4f(1.0) - blend) * light_whole, vec4<bool>(aerosols > 0u));
+    for (var a = 0u; a < aerosols; a++) {
+        result.weights[2u * a] *= blend;
+        result.weights[2u * a + 1u] *= vec4f(1.0) - blend;
+    }
+    result.depths = mean_depths / mean_weights;
+    result.through_extended = through_scaled;
+    result.through = through_whole;
+    return result;
+}

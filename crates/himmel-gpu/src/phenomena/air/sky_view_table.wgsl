@@ -1,0 +1,54 @@
+// How the sky view is laid out and looked up. Near a light the aerosols' forward peaks are too sharp for the table: there
+// it holds their weights, and the pixel evaluates the peak at its own angle.
+
+//#include "frame/frame.wgsl"
+//#include "phenomena/air/march.wgsl"
+
+// Layers of a light: radiance; depths of the peaks; weights of each aerosol (S, U).
+@group(1) @binding(2) var sky_view_table: texture_2d_array<f32>;
+
+// Angles to the light between which the peaks go over from the pixel to the table, rad.
+const AUREOLE_FROM: f32 = 0.30;
+const AUREOLE_TO: f32 = 0.50;
+
+// Share of the peaks that the table itself holds.
+fn table_share(theta: f32) -> f32 {
+    return smoothstep(AUREOLE_FROM, AUREOLE_TO, theta);
+}
+
+fn sky_view_layer(light: u32) -> u32 {
+    return (view.station * frame.light_count + light) * (2u + 2u * airs[0].aerosol_count);
+}
+
+// Radiance along a ray, per unit irradiance of the light, 1/sr. `below`: whether the ray meets the ground.
+fn sky_view_radiance(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
+    let size = vec2f(textureDimensions(sky_view_table));
+    let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
+    let y = elevation_texel(asin(clamp(mu, -1.0, 1.0)), asin(horizon), below, i32(size.y));
+    let heading = view.lights[light].heading;
+    let side = cross(view.up, heading);
+    let azimuth = atan2(abs(dot(ray, side)), dot(ray, heading));
+    let uv = vec2f(azimuth / PI, y / (size.y - 1.0));
+    let layer = sky_view_layer(light);
+    var radiance = table_lookup(sky_view_table, layer, uv);
+    let aerosols = airs[body].aerosol_count;
+    if aerosols == 0u {
+        return radiance;
+    }
+    let theta = angle_between(ray, view.lights[light].direction);
+    let share = 1.0 - table_share(theta);
+    if share <= 0.0 {
+        return radiance;
+    }
+    let nu = dot(ray, view.lights[light].direction);
+    let coordinate = theta_coordinate_of(theta);
+    let depths = table_lookup(sky_view_table, layer + 1u, uv).xy;
+    for (var a = 0u; a < aerosols; a++) {
+        let phase = aerosol_phase(airs[body].aerosols[a].layer, coordinate);
+        let scaled = table_lookup(sky_view_table, layer + 2u + 2u * a, uv);
+        let whole = table_lookup(sky_view_table, layer + 3u + 2u * a, uv);
+        radiance += share * scaled * peak_scaled(a, phase, coordinate, nu, depths.x);
+        radiance += share * whole * peak_unscaled(a, phase, coordinate, depths.y);
+    }
+    return max(radiance, vec4f(0.0));
+}

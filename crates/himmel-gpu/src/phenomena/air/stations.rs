@@ -1,0 +1,179 @@
+//! What depends on where a camera stands: where the cells of its rays lie, and the sky view. Filled each frame.
+
+use crate::error::GpuError;
+use crate::frame::ViewUniform;
+use crate::pass::{self, Bound, Slot, bind, compute, layers, layout};
+
+use super::sizes::AirSizes;
+use super::tables::{Tables, texture_bytes};
+use super::uniform::AirUniform;
+
+/// Columns of the cell table; the same in `cells.wgsl`.
+pub(crate) const CELL_COLUMNS: u32 = 65;
+
+/// Tables for a number of stations, with their passes.
+pub(crate) struct Stations {
+    cells: wgpu::Texture,
+    sky_view: wgpu::Texture,
+    sky_view_size: Option<[u32; 2]>,
+    cells_pipeline: wgpu::ComputePipeline,
+    sky_view_pipeline: wgpu::ComputePipeline,
+    cells_layout: wgpu::BindGroupLayout,
+    sky_view_layout: wgpu::BindGroupLayout,
+    station_layout: wgpu::BindGroupLayout,
+    marching_layout: wgpu::BindGroupLayout,
+    medium_group: wgpu::BindGroup,
+    /// For each number of stations and buffer of views.
+    groups: Option<Groups>,
+    rows: u32,
+    aerosols: u32,
+    capacity: u32,
+}
+
+struct Groups {
+    station: wgpu::BindGroup,
+    marching: wgpu::BindGroup,
+    cells: wgpu::BindGroup,
+    sky_view: wgpu::BindGroup,
+}
+
+/// The uniform of a view, with a dynamic offset.
+pub(crate) fn view_slot() -> Slot {
+    Slot::Uniform(size_of::<ViewUniform>() as u64, true)
+}
+
+impl Stations {
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        sizes: &AirSizes,
+        tables: &Tables,
+        air_layout: &wgpu::BindGroupLayout,
+    ) -> Result<Self, GpuError> {
+        let only = wgpu::ShaderStages::COMPUTE;
+        let airs = Slot::Uniform((super::uniform::MOST_BODIES * size_of::<AirUniform>()) as u64, false);
+        let medium_layout = layout(device, "medium", only, &[(1, airs), (2, Slot::Layers)]);
+        let station_layout = layout(device, "station", only, &[(0, view_slot())]);
+        let marching_layout = layout(device, "station, marching", only, &[(0, view_slot()), (1, Slot::Layers)]);
+        let cells_layout =
+            layout(device, "cells", only, &[(0, Slot::WriteLayers(wgpu::TextureFormat::Rg32Float))]);
+        let sky_view_layout =
+            layout(device, "sky view", only, &[(0, Slot::WriteLayers(wgpu::TextureFormat::Rgba32Float))]);
+        let cells_pipeline = compute(
+            device,
+            &pass::module(device, "phenomena/air/cells.wgsl")?,
+            "fill_cells",
+            &[&medium_layout, &station_layout, &cells_layout],
+        );
+        let sky_view_pipeline = compute(
+            device,
+            &pass::module(device, "phenomena/air/sky_view.wgsl")?,
+            "fill_sky_view",
+            &[air_layout, &marching_layout, &sky_view_layout],
+        );
+        let density = layers(&tables.density);
+        let bound = [(1, Bound::Buffer(&tables.uniforms)), (2, Bound::View(&density))];
+        let medium_group = bind(device, "medium", &medium_layout, &bound);
+        let aerosols = tables.aerosols();
+        let (cells, sky_view) = textures(device, sizes, 1, 1, aerosols);
+        Ok(Self {
+            cells,
+            sky_view,
+            sky_view_size: sizes.sky_view,
+            cells_pipeline,
+            sky_view_pipeline,
+            cells_layout,
+            sky_view_layout,
+            station_layout,
+            marching_layout,
+            medium_group,
+            groups: None,
+            rows: sizes.cell_rows,
+            aerosols,
+            capacity: 1,
+        })
+    }
+
+    /// Memory of the tables in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        texture_bytes(&self.cells) + texture_bytes(&self.sky_view)
+    }
+
+    /// The tables, for the bind groups of views.
+    pub(crate) fn views(&self) -> [wgpu::TextureView; 2] {
+        [layers(&self.cells), layers(&self.sky_view)]
+    }
+
+    /// Makes room; true if the tables are new and bind groups with them stale.
+    pub(crate) fn reserve(&mut self, device: &wgpu::Device, sizes: &AirSizes, stations: u32, lights: u32) -> bool {
+        let wanted = stations.max(1) * lights.max(1);
+        if wanted <= self.capacity {
+            return false;
+        }
+        self.capacity = wanted.next_power_of_two();
+        (self.cells, self.sky_view) = textures(device, sizes, stations.next_power_of_two(), self.capacity, self.aerosols);
+        self.groups = None;
+        true
+    }
+
+    /// Says which buffer holds the views.
+    pub(crate) fn bind_views(&mut self, device: &wgpu::Device, buffer: &wgpu::Buffer) {
+        let [cells, sky_view] = self.views();
+        let view = (0, Bound::Part(buffer, size_of::<ViewUniform>() as u64));
+        self.groups = Some(Groups {
+            station: bind(device, "station", &self.station_layout, &[view]),
+            marching: bind(device, "station, marching", &self.marching_layout, &[view, (1, Bound::View(&cells))]),
+            cells: bind(device, "cells", &self.cells_layout, &[(0, Bound::View(&cells))]),
+            sky_view: bind(device, "sky view", &self.sky_view_layout, &[(0, Bound::View(&sky_view))]),
+        });
+    }
+
+    /// Fills the tables of a station, whose uniform lies at an offset.
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        air_group: &wgpu::BindGroup,
+        offset: u32,
+        sky_view: bool,
+        lights: u32,
+    ) {
+        let Some(groups) = &self.groups else { return };
+        pass.set_pipeline(&self.cells_pipeline);
+        pass.set_bind_group(0, &self.medium_group, &[]);
+        pass.set_bind_group(1, &groups.station, &[offset]);
+        pass.set_bind_group(2, &groups.cells, &[]);
+        pass.dispatch_workgroups(self.rows.div_ceil(64), 1, 1);
+        if let (true, Some([width, height])) = (sky_view, self.sky_view_size) {
+            pass.set_pipeline(&self.sky_view_pipeline);
+            pass.set_bind_group(0, air_group, &[]);
+            pass.set_bind_group(1, &groups.marching, &[offset]);
+            pass.set_bind_group(2, &groups.sky_view, &[]);
+            pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), lights);
+        }
+    }
+}
+
+fn textures(
+    device: &wgpu::Device,
+    sizes: &AirSizes,
+    stations: u32,
+    lights: u32,
+    aerosols: u32,
+) -> (wgpu::Texture, wgpu::Texture) {
+    let texture = |label, [width, height]: [u32; 2], layers, format| {
+        device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::STORAGE_BINDING,
+            view_formats: &[],
+        })
+    };
+    let layers = lights * (2 + 2 * aerosols);
+    (
+        texture("cells", [CELL_COLUMNS, sizes.cell_rows], stations, wgpu::TextureFormat::Rg32Float),
+        texture("sky view", sizes.sky_view.unwrap_or([2, 4]), layers, wgpu::TextureFormat::Rgba32Float),
+    )
+}
