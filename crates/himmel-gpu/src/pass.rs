@@ -115,11 +115,12 @@ pub(crate) fn module(device: &wgpu::Device, root: &str) -> Result<wgpu::ShaderMo
     }))
 }
 
-/// A compute pipeline; its label is its entry point's name.
+/// A compute pipeline; its label is its entry point's name. `constants`: values of overrides.
 pub(crate) fn compute(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     entry_point: &str,
+    constants: &[(&str, f64)],
     groups: &[&wgpu::BindGroupLayout],
 ) -> wgpu::ComputePipeline {
     let groups: Vec<_> = groups.iter().map(|&group| Some(group)).collect();
@@ -133,7 +134,7 @@ pub(crate) fn compute(
         layout: Some(&layout),
         module,
         entry_point: Some(entry_point),
-        compilation_options: Default::default(),
+        compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
         cache: None,
     })
 }

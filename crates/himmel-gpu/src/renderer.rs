@@ -88,11 +88,7 @@ pub struct SkyRenderer {
     device: wgpu::Device,
     queue: wgpu::Queue,
     target: Target,
-    pipeline: wgpu::RenderPipeline,
-    pipeline_layout: wgpu::PipelineLayout,
-    module: wgpu::ShaderModule,
-    /// Made when automatic exposure is first asked for.
-    metering_pipeline: OnceLock<wgpu::RenderPipeline>,
+    pipelines: Pipelines,
     meter: Meter,
     air: Air,
     default_quality: AirQuality,
@@ -104,6 +100,8 @@ pub struct SkyRenderer {
     view_stride: u64,
     capacity: usize,
     prepared: usize,
+    /// Of each prepared view: whether its pixels march their own rays.
+    marching: Vec<bool>,
     uploads: Uploads,
     /// The part of the frame's uniform that follows from the medium.
     colours: FrameUniform,
@@ -177,7 +175,20 @@ impl SkyRenderer {
             bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
             immediate_size: 0,
         });
-        let pipeline = sky_pipeline(device, &module, &pipeline_layout, target, false);
+        let pipelines = Pipelines {
+            device: device.clone(),
+            target: *target,
+            layout: pipeline_layout,
+            module,
+            made: std::array::from_fn(|_| OnceLock::new()),
+        };
+        // What the first frame needs is made now.
+        let marching = air.sizes.sky_view.is_none();
+        for variant in [Variant::Marching, Variant::Plain, Variant::Special] {
+            if (variant == Variant::Marching) == marching {
+                pipelines.get(variant);
+            }
+        }
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let view_stride = (size_of::<ViewUniform>() as u64).next_multiple_of(alignment);
         let view_buffer = uniform_buffer(device, "sky views", view_stride * FIRST_CAPACITY as u64);
@@ -187,10 +198,7 @@ impl SkyRenderer {
             device: device.clone(),
             queue: queue.clone(),
             target: *target,
-            pipeline,
-            pipeline_layout,
-            module,
-            metering_pipeline: OnceLock::new(),
+            pipelines,
             meter,
             air,
             default_quality,
@@ -203,6 +211,7 @@ impl SkyRenderer {
             view_stride,
             capacity: FIRST_CAPACITY,
             prepared: 0,
+            marching: Vec::new(),
             uploads: Uploads {
                 // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
                 belts: std::array::from_fn(|_| StagingBelt::new(device.clone(), 16 * 1024)),
@@ -363,6 +372,8 @@ impl SkyRenderer {
             self.air.stations.record(&mut pass, &self.air.group, offset, table, lights);
         }
         drop(pass);
+        self.marching.clear();
+        self.marching.extend(uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0));
         match exposure {
             None => self.record_metering(encoder, stamps),
             Some(factor) => self.meter.set(encoder, factor),
@@ -395,7 +406,13 @@ impl SkyRenderer {
             tracing::warn!(view_index, prepared = self.prepared, "the sky was not prepared for this view");
             return;
         }
-        self.draw_slot(pass, &self.pipeline, view_index + 1);
+        let slot = view_index + 1;
+        if self.marching.get(view_index).copied().unwrap_or(true) {
+            self.draw_slot(pass, Variant::Marching, slot);
+        } else {
+            self.draw_slot(pass, Variant::Plain, slot);
+            self.draw_slot(pass, Variant::Special, slot);
+        }
     }
 
     /// One `Rgba32Float` texel whose red is the prepared frame's exposure factor, metered or fixed, before
@@ -410,25 +427,26 @@ impl SkyRenderer {
         &self.meter.exposure
     }
 
-    fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, pipeline: &wgpu::RenderPipeline, slot: usize) {
-        pass.set_pipeline(pipeline);
+    fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, slot: usize) {
+        pass.set_pipeline(self.pipelines.get(variant));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
-        pass.draw(0..3, 0..1);
+        match variant.tiles() {
+            0 => pass.draw(0..3, 0..1),
+            _ => pass.draw(0..6, 0..TILES),
+        }
     }
 
     fn record_metering(&self, encoder: &mut wgpu::CommandEncoder, mut stamps: Option<&mut Stamps>) {
-        let pipeline = self.metering_pipeline.get_or_init(|| {
-            let target = Target::new(meter::FORMAT, Output::Radiance);
-            sky_pipeline(&self.device, &self.module, &self.pipeline_layout, &target, true)
-        });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("metering picture"),
             color_attachments: &[Some(cleared(&self.meter.picture))],
             timestamp_writes: stamps.as_mut().and_then(|stamps| stamps.next("metering picture")),
             ..Default::default()
         });
-        self.draw_slot(&mut pass, pipeline, 0);
+        let marching = self.marching.first().copied().unwrap_or(true);
+        let variant = if marching { Variant::MeteringMarch } else { Variant::MeteringTable };
+        self.draw_slot(&mut pass, variant, 0);
         drop(pass);
         self.meter.reduce(encoder, stamps.and_then(|stamps| stamps.next("meter")));
     }
@@ -518,22 +536,81 @@ fn view_group(
     bind(device, "sky view", layout, &[(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view))])
 }
 
+/// Tiles of a picture; the same in `sky.wgsl`.
+const TILES: u32 = 40 * 24;
+
+/// The forms of the sky's pipeline.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Variant {
+    /// Every pixel marches its ray.
+    Marching,
+    /// From the sky-view table: tiles far from lights and horizon.
+    Plain,
+    /// The other tiles.
+    Special,
+    /// The metering picture, marching.
+    MeteringMarch,
+    /// The metering picture from the table.
+    MeteringTable,
+}
+
+impl Variant {
+    const COUNT: usize = 5;
+
+    fn tiles(self) -> u32 {
+        match self {
+            Self::Plain => 1,
+            Self::Special => 2,
+            _ => 0,
+        }
+    }
+
+    fn marching(self) -> bool {
+        matches!(self, Self::Marching | Self::MeteringMarch)
+    }
+
+    fn metering(self) -> bool {
+        matches!(self, Self::MeteringMarch | Self::MeteringTable)
+    }
+}
+
+/// The sky's pipelines, made when they are first needed.
+struct Pipelines {
+    device: wgpu::Device,
+    target: Target,
+    layout: wgpu::PipelineLayout,
+    module: wgpu::ShaderModule,
+    made: [OnceLock<wgpu::RenderPipeline>; Variant::COUNT],
+}
+
+impl Pipelines {
+    fn get(&self, variant: Variant) -> &wgpu::RenderPipeline {
+        self.made[variant as usize].get_or_init(|| {
+            let metering = Target::new(meter::FORMAT, Output::Radiance);
+            let target = if variant.metering() { &metering } else { &self.target };
+            sky_pipeline(&self.device, &self.module, &self.layout, target, variant)
+        })
+    }
+}
+
 fn sky_pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     layout: &wgpu::PipelineLayout,
     target: &Target,
-    metering: bool,
+    variant: Variant,
 ) -> wgpu::RenderPipeline {
     let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
-    let far_depth = [("far_depth", if reversed { 0.0 } else { 1.0 })];
+    let far_depth = [("far_depth", if reversed { 0.0 } else { 1.0 }), ("tiles", f64::from(variant.tiles()))];
     let constants = [
         ("finished", f64::from(u8::from(target.output == Output::Display))),
-        ("metering", f64::from(u8::from(metering))),
+        ("metering", f64::from(u8::from(variant.metering()))),
+        ("marching", f64::from(u8::from(variant.marching()))),
+        ("tiles", f64::from(variant.tiles())),
     ];
     let options = |constants| wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(if metering { "sky, metering" } else { "sky" }),
+        label: Some(if variant.metering() { "sky, metering" } else { "sky" }),
         layout: Some(layout),
         vertex: wgpu::VertexState {
             module,

@@ -12,6 +12,14 @@ override far_depth: f32 = 1.0;
 override finished: u32 = 0u;
 // The metering picture is not exposed, whatever the frame says.
 override metering: bool = false;
+// Whether every pixel marches its own ray, or looks the sky up in the sky-view table.
+override marching: bool = true;
+// 0: one triangle over the whole picture. 1: only the tiles of it that are far from every light and from the horizon,
+// which need a look-up and nothing else. 2: the other tiles.
+override tiles: u32 = 0u;
+
+// Tiles of a picture along its sides.
+const TILES: vec2u = vec2u(40u, 24u);
 
 struct SkyVertex {
     @builtin(position) position: vec4f,
@@ -19,9 +27,51 @@ struct SkyVertex {
 }
 
 @vertex
-fn sky_vertex(@builtin(vertex_index) index: u32) -> SkyVertex {
-    let ndc = vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
+fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> SkyVertex {
+    var ndc = vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
+    if tiles != 0u {
+        let tile = vec2u(instance % TILES.x, instance / TILES.x);
+        // Two triangles: (0,0) (1,0) (0,1), (0,1) (1,0) (1,1).
+        let corner = vec2u(u32(index == 1u || index == 4u || index == 5u), u32(index == 2u || index == 3u || index == 5u));
+        ndc = vec2f(tile + corner) / vec2f(TILES) * 2.0 - 1.0;
+        if is_plain(tile) != (tiles == 1u) {
+            // Nothing: all its corners are one point.
+            ndc = vec2f(-1.0);
+        }
+    }
     return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc);
+}
+
+// Whether a tile lies far from every light and from the horizon.
+fn is_plain(tile: vec2u) -> bool {
+    let middle = look_direction(tile_ndc(vec2f(tile) + 0.5));
+    var reach = 0.0;
+    for (var i = 0u; i < 4u; i++) {
+        let corner = look_direction(tile_ndc(vec2f(tile + vec2u(i & 1u, i >> 1u))));
+        if dot(corner, corner) < 0.5 {
+            return false;
+        }
+        reach = max(reach, angle_between(middle, corner));
+    }
+    if dot(middle, middle) < 0.5 {
+        return false;
+    }
+    // A fifth more: fisheyes bend a tile's sides.
+    reach *= 1.2;
+    let horizon = asin(horizon_cosine(airs[body].bottom_radius_m, view.altitude_m));
+    var plain = abs(asin(clamp(dot(middle, view.up), -1.0, 1.0)) - horizon) > reach;
+    for (var light = 0u; light < frame.light_count; light++) {
+        let aureole = max(AUREOLE_TO, 2.0 * view.lights[light].radius + 0.05);
+        let near_air = angle_between(middle, view.lights[light].direction) < aureole + reach;
+        let near_disc = angle_between(middle, view.lights[light].disc_direction) < aureole + reach;
+        plain = plain && !near_air && !near_disc;
+    }
+    return plain;
+}
+
+// A place in tiles as ndc of the picture.
+fn tile_ndc(place: vec2f) -> vec2f {
+    return view.tile.xy + view.tile.zw * (place / vec2f(TILES) * 2.0 - 1.0);
 }
 
 // The look direction of a point of the picture in view space; zero outside the picture (fisheye).
@@ -52,62 +102,74 @@ fn look_direction(ndc: vec2f) -> vec3f {
 // Radiance along a ray with zenith cosine mu, all lights. `below`: whether it meets the ground.
 fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
     var sum = vec4f(0.0);
-    let radius = airs[body].bottom_radius_m;
     for (var light = 0u; light < frame.light_count; light++) {
-        var radiance = vec4f(0.0);
-        var through = vec4f(1.0);
         var disc = vec4f(0.0);
         if !below {
             disc = sun_disc_radiance(light, ray, dx, dy);
         }
-        if view.sky_view == 1u {
-            radiance = sky_view_radiance(light, ray, mu, below);
-            if any(disc > vec4f(0.0)) {
-                through = transmittance_to_space(view.altitude_m, mu);
-            }
-        } else {
+        var radiance = vec4f(0.0);
+        var through = vec4f(1.0);
+        if marching {
             let sun = view.lights[light].direction;
             let start = enter(
                 view.altitude_m, mu, sin_theta, view.lights[light].mu_s, clamp(dot(ray, sun), -1.0, 1.0),
                 angle_between(ray, sun));
             let rows = i32(textureDimensions(cell_table).y);
             let altitude = min(view.altitude_m, airs[body].top_altitude_m);
-            let horizon = asin(horizon_cosine(radius, altitude));
-            let air = march_air(start, elevation_texel(asin(start.mu), horizon, below, rows), 1.0, 1e30);
-            radiance = air.radiance;
+            let horizon = asin(horizon_cosine(airs[body].bottom_radius_m, altitude));
+            let air = march_air(start, elevation_texel(asin(start.mu), horizon, below, rows), frame.steps, 1e30);
+            radiance = max(air.radiance, vec4f(0.0));
             through = air.through;
+        } else {
+            radiance = sky_view_radiance(light, ray, mu, below);
+            through = transmittance_to_space(view.altitude_m, mu);
         }
-        sum += view.lights[light].irradiance * (max(radiance, vec4f(0.0)) + through * disc);
+        sum += view.lights[light].irradiance * (radiance + through * disc);
     }
     return sum;
 }
 
-// Linear Rec. 709 in cd/m². The horizon is smoothed over a pixel: there the ground below and the sky above it are mixed.
-// `dx`, `dy`: how the ray changes to the next pixel.
-fn sky_luminance(ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
-    let pixel = 0.5 * (length(dx) + length(dy));
-    let mu = dot(ray, view.up);
-    let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
-    // Height above the horizon in pixels; cosines near it differ as angles do, times the sine.
-    let sine = max(sqrt(1.0 - horizon * horizon), 1e-3);
-    let above = (mu - horizon) / (sine * max(pixel, 1e-9));
-    var four = vec4f(0.0);
-    if abs(above) >= 0.5 {
-        four = sky_radiance(ray, dx, dy, mu, length(cross(ray, view.up)), above < 0.0);
-    } else {
-        // 1e-6 tells the two sides apart in f32. From within the air by the cosine, from above by the sine, R / r, which
-        // cancels nothing far away.
-        let sine_of_limb = airs[body].bottom_radius_m / (airs[body].bottom_radius_m + view.altitude_m);
-        for (var side = -1.0; side < 2.0; side += 2.0) {
-            let sin_theta = min(sine_of_limb * (1.0 + side * 1e-6), 1.0);
-            four += (0.5 + side * above) * sky_radiance(ray, dx, dy, min(horizon + side * 1e-6, 0.0), sin_theta, side < 0.0);
-        }
-    }
+// Linear Rec. 709 in cd/m² from radiance per unit irradiance.
+fn rec709_of(four: vec4f) -> vec3f {
     return vec3f(
         dot(frame.rec709_from_four_r, four),
         dot(frame.rec709_from_four_g, four),
         dot(frame.rec709_from_four_b, four),
     );
+}
+
+// Luminance of a ray. The horizon is smoothed over a pixel: there the ground below and the sky above it are mixed.
+// `dx`, `dy`: how the ray changes to the next pixel.
+fn sky_luminance(ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
+    let mu = dot(ray, view.up);
+    if tiles == 1u {
+        let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
+        var four = vec4f(0.0);
+        for (var light = 0u; light < frame.light_count; light++) {
+            four += view.lights[light].irradiance * sky_view_far(light, ray, mu, mu < horizon);
+        }
+        return rec709_of(four);
+    }
+    let pixel = 0.5 * (length(dx) + length(dy));
+    let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
+    // Height above the horizon in pixels; cosines near it differ as angles do, times the sine.
+    let sine = max(sqrt(1.0 - horizon * horizon), 1e-3);
+    let above = (mu - horizon) / (sine * max(pixel, 1e-9));
+    let both = abs(above) < 0.5;
+    // From within the air the horizon is told by the cosine, from above by the sine, R / r, which cancels nothing far
+    // away.
+    let sine_of_limb = airs[body].bottom_radius_m / (airs[body].bottom_radius_m + view.altitude_m);
+    let own_sine = length(cross(ray, view.up));
+    var four = vec4f(0.0);
+    for (var i = 0u; i < select(1u, 2u, both); i++) {
+        let side = select(sign(above), f32(i) * 2.0 - 1.0, both);
+        // 1e-6 tells the two sides apart in f32.
+        let sin_theta = select(own_sine, min(sine_of_limb * (1.0 + side * 1e-6), 1.0), both);
+        let side_mu = select(mu, min(horizon + side * 1e-6, 0.0), both);
+        let share = select(1.0, 0.5 + side * above, both);
+        four += share * sky_radiance(ray, dx, dy, side_mu, sin_theta, side < 0.0);
+    }
+    return rec709_of(four);
 }
 
 @fragment

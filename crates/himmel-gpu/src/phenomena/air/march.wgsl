@@ -9,6 +9,10 @@ const EVEN_SLANT: f32 = 0.1;
 // Share of the cells that goes to the lit parts of a ray through the planet's shadow.
 const LIT_SHARE: f32 = 0.4;
 
+// Whether the aerosols' forward peaks are left to the reader of `weights`, who evaluates them once for the whole ray, at
+// its mean depths: for tables. Otherwise every cell evaluates them.
+override split_peaks: bool = false;
+
 // Where the cells of a ray lie: distances over the ray's length at shares 0..1 of the cells (columns), for elevations
 // (rows, as `elevation_row`). x: of the whole ray; y: by what each stretch scatters, flattened.
 @group(1) @binding(1) var cell_table: texture_2d_array<f32>;
@@ -198,9 +202,8 @@ fn pass_cell(extinction: vec4f, dt: f32) -> CellPass {
     return CellPass(select(closed, dt * (vec4f(1.0) - 0.5 * x + x * x / 6.0), x < vec4f(1e-3)), passed);
 }
 
-// Marches a ray. cell_row: its row in the cell table. keep: share of the aerosols' peaks that counts in the radiance; the
-// rest is for the reader of `weights`. limit_m: where the ray is cut (1e30: where the air ends).
-fn march_air(start: AirRay, cell_row: f32, keep: f32, limit_m: f32) -> AirMarch {
+// Marches a ray. cell_row: its row in the cell table. limit_m: where the ray is cut (1e30: where the air ends).
+fn march_air(start: AirRay, cell_row: f32, steps: u32, limit_m: f32) -> AirMarch {
     var result: AirMarch;
     result.through_extended = vec4f(1.0);
     result.through = vec4f(1.0);
@@ -223,8 +226,10 @@ fn march_air(start: AirRay, cell_row: f32, keep: f32, limit_m: f32) -> AirMarch 
     let theta_coordinate = theta_coordinate_of(start.theta);
     let aerosols = airs[body].aerosol_count;
     var phases: array<vec4f, 4>;
-    for (var a = 0u; a < aerosols; a++) {
-        phases[a] = aerosol_phase(airs[body].aerosols[a].layer, theta_coordinate);
+    if !split_peaks {
+        for (var a = 0u; a < aerosols; a++) {
+            phases[a] = aerosol_phase(airs[body].aerosols[a].layer, theta_coordinate);
+        }
     }
 
     // Cells: edges by the table; where the ray crosses the planet's shadow, some of them go to its lit parts alone.
@@ -235,7 +240,7 @@ fn march_air(start: AirRay, cell_row: f32, keep: f32, limit_m: f32) -> AirMarch 
     var near_lit = 0.0;
     var far_lit = 1.0;
     if crosses {
-        lit_cells = u32(round(LIT_SHARE * f32(frame.steps)));
+        lit_cells = u32(round(LIT_SHARE * f32(steps)));
         if dark.x > 0.0 {
             near_lit = lit_share(dark.x / end, cell_row);
         }
@@ -244,7 +249,7 @@ fn march_air(start: AirRay, cell_row: f32, keep: f32, limit_m: f32) -> AirMarch 
         }
     }
     let lit_amount = near_lit + 1.0 - far_lit;
-    let even_cells = frame.steps - lit_cells;
+    let even_cells = steps - lit_cells;
     var next_even_index = 1u;
     var next_lit_index = 1u;
     var next_even = end * cell_edge(1.0 / f32(even_cells), cell_row).x;
@@ -261,7 +266,7 @@ fn march_air(start: AirRay, cell_row: f32, keep: f32, limit_m: f32) -> AirMarch 
     var mean_weights = vec2f(1e-30);
     var t = 0.0;
     // Every cell of either kind, and the edges of the shadow.
-    for (var guard = 0u; guard < frame.steps + 4u && t < limit; guard++) {
+    for (var guard = 0u; guard < steps + 4u && t < limit; guard++) {
         if lit_cells > 0u && next_lit <= t {
             var share = f32(next_lit_index) / f32(lit_cells) * lit_amount;
             share = select(share - near_lit + far_lit, share, share <= near_lit);
@@ -326,16 +331,15 @@ fn march_air(start: AirRay, cell_row: f32, keep: f32, limit_m: f32) -> AirMarch 
                     let depth = sun.peak + depth_view;
                     let weight_scaled = hit * through_scaled * cell.length;
                     let weight_whole = hit * through_whole * cell_whole.length;
-                    if keep > 0.0 {
-                        source_scaled += keep * hit * peak_scaled(a, phases[a], theta_coordinate, nu, depth);
-                        source_whole += keep * hit * peak_unscaled(a, phases[a], theta_coordinate, sun.peak);
-                    }
-                    if keep < 1.0 {
+                    if split_peaks {
                         result.weights[2u * a] += weight_scaled;
                         result.weights[2u * a + 1u] += weight_whole;
                         let weight = vec2f(dot(weight_scaled, vec4f(1.0)), dot(weight_whole, vec4f(1.0)));
                         mean_depths += weight * vec2f(depth, sun.peak);
                         mean_weights += weight;
+                    } else {
+                        source_scaled += hit * peak_scaled(a, phases[a], theta_coordinate, nu, depth);
+                        source_whole += hit * peak_unscaled(a, phases[a], theta_coordinate, sun.peak);
                     }
                 }
             }

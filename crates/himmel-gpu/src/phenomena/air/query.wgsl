@@ -42,7 +42,7 @@ fn answer_queries(@builtin(global_invocation_id) id: vec3u) {
         return;
     }
     let ray = query_ray(queries[id.x]);
-    let air = march_air(ray, f32(id.x), 1.0, 1e30);
+    let air = march_air(ray, f32(id.x), frame.steps, 1e30);
     answers[2u * id.x] = air.radiance;
     // Towards space; nothing where the ground is in the way.
     answers[2u * id.x + 1u] = select(air.through, vec4f(0.0), air.hits_ground);

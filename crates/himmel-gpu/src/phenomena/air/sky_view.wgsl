@@ -25,9 +25,10 @@ fn fill_sky_view(@builtin(global_invocation_id) id: vec3u) {
     let row = elevation_texel(
         asin(mu), asin(horizon_cosine(radius, view.altitude_m)), i32(id.y) < i32(size.y) / 2,
         i32(textureDimensions(cell_table).y));
-    let air = march_air(start, row, table_share(theta), 1e30);
+    let air = march_air(start, row, frame.steps, 1e30);
     let layer = sky_view_layer(id.z);
-    textureStore(sky_view_out, id.xy, layer, air.radiance);
+    let peaks = peaks_of(air.weights, air.depths, theta, start.nu);
+    textureStore(sky_view_out, id.xy, layer, air.radiance + table_share(theta) * peaks);
     textureStore(sky_view_out, id.xy, layer + 1u, vec4f(air.depths, 0.0, 0.0));
     for (var a = 0u; a < airs[body].aerosol_count; a++) {
         textureStore(sky_view_out, id.xy, layer + 2u + 2u * a, air.weights[2u * a]);

@@ -20,35 +20,46 @@ fn sky_view_layer(light: u32) -> u32 {
     return (view.station * frame.light_count + light) * (2u + 2u * airs[0].aerosol_count);
 }
 
-// Radiance along a ray, per unit irradiance of the light, 1/sr. `below`: whether the ray meets the ground.
-fn sky_view_radiance(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
+// The aerosols' peaks from a ray's weights and mean depths, at an angle to the light.
+fn peaks_of(weights: array<vec4f, 8>, depths: vec2f, theta: f32, nu: f32) -> vec4f {
+    let coordinate = theta_coordinate_of(theta);
+    var sum = vec4f(0.0);
+    for (var a = 0u; a < airs[body].aerosol_count; a++) {
+        let phase = aerosol_phase(airs[body].aerosols[a].layer, coordinate);
+        sum += weights[2u * a] * peak_scaled(a, phase, coordinate, nu, depths.x);
+        sum += weights[2u * a + 1u] * peak_unscaled(a, phase, coordinate, depths.y);
+    }
+    return sum;
+}
+
+// Where a ray lies in the table of a light. `below`: whether it meets the ground.
+fn sky_view_uv(light: u32, ray: vec3f, mu: f32, below: bool) -> vec2f {
     let size = vec2f(textureDimensions(sky_view_table));
     let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
     let y = elevation_texel(asin(clamp(mu, -1.0, 1.0)), asin(horizon), below, i32(size.y));
     let heading = view.lights[light].heading;
     let side = cross(view.up, heading);
     let azimuth = atan2(abs(dot(ray, side)), dot(ray, heading));
-    let uv = vec2f(azimuth / PI, y / (size.y - 1.0));
+    return vec2f(azimuth / PI, y / (size.y - 1.0));
+}
+
+// Radiance along a ray at more than AUREOLE_TO from the light, per unit irradiance of the light, 1/sr.
+fn sky_view_far(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
+    return max(table_lookup(sky_view_table, sky_view_layer(light), sky_view_uv(light, ray, mu, below)), vec4f(0.0));
+}
+
+// The same at any angle.
+fn sky_view_radiance(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
+    let uv = sky_view_uv(light, ray, mu, below);
     let layer = sky_view_layer(light);
-    var radiance = table_lookup(sky_view_table, layer, uv);
-    let aerosols = airs[body].aerosol_count;
-    if aerosols == 0u {
-        return radiance;
-    }
+    let radiance = table_lookup(sky_view_table, layer, uv);
     let theta = angle_between(ray, view.lights[light].direction);
     let share = 1.0 - table_share(theta);
-    if share <= 0.0 {
-        return radiance;
-    }
-    let nu = dot(ray, view.lights[light].direction);
-    let coordinate = theta_coordinate_of(theta);
     let depths = table_lookup(sky_view_table, layer + 1u, uv).xy;
-    for (var a = 0u; a < aerosols; a++) {
-        let phase = aerosol_phase(airs[body].aerosols[a].layer, coordinate);
-        let scaled = table_lookup(sky_view_table, layer + 2u + 2u * a, uv);
-        let whole = table_lookup(sky_view_table, layer + 3u + 2u * a, uv);
-        radiance += share * scaled * peak_scaled(a, phase, coordinate, nu, depths.x);
-        radiance += share * whole * peak_unscaled(a, phase, coordinate, depths.y);
+    var weights: array<vec4f, 8>;
+    for (var a = 0u; a < 2u * airs[body].aerosol_count; a++) {
+        weights[a] = share * table_lookup(sky_view_table, layer + 2u + a, uv);
     }
-    return max(radiance, vec4f(0.0));
+    let peaks = peaks_of(weights, depths, theta, dot(ray, view.lights[light].direction));
+    return max(radiance + peaks, vec4f(0.0));
 }

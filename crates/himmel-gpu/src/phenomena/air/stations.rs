@@ -62,12 +62,14 @@ impl Stations {
             device,
             &pass::module(device, "phenomena/air/cells.wgsl")?,
             "fill_cells",
+            &[],
             &[&medium_layout, &station_layout, &cells_layout],
         );
         let sky_view_pipeline = compute(
             device,
             &pass::module(device, "phenomena/air/sky_view.wgsl")?,
             "fill_sky_view",
+            &[("split_peaks", 1.0)],
             &[air_layout, &marching_layout, &sky_view_layout],
         );
         let density = layers(&tables.density);

@@ -75,32 +75,31 @@ fn first_order(look: Look, row: u32, h0: f32, mu_s: f32) -> vec4f {
     let last = f32(build.cumulative_cells);
     let radius = airs[body].bottom_radius_m;
     let dark = min(shadow_interval(radius, h0, look.mu, mu_s, look.nu), vec2f(look.end));
-    if dark.y <= dark.x {
-        return light + lit_light(look, table, h0, mu_s, 0.0, last, build.lit_samples);
-    }
-    var near = 0.0;
+    var near = last;
     var far = last;
-    if dark.x > 0.0 {
-        near = coordinate_of(table, dark.x);
-    }
-    if dark.y < look.end {
-        far = coordinate_of(table, dark.y);
-    }
-    let lit_amount = near + last - far;
-    if lit_amount <= 0.0 {
-        return light;
-    }
-    var in_near = 0u;
-    if near > 0.0 {
-        in_near = build.lit_samples;
-        if far < last {
-            let least = min(build.lit_samples, 3u);
-            let wanted = u32(round(f32(build.lit_samples) * near / lit_amount));
+    var in_near = build.lit_samples;
+    if dark.y > dark.x {
+        near = select(0.0, coordinate_of(table, dark.x), dark.x > 0.0);
+        far = select(last, coordinate_of(table, dark.y), dark.y < look.end);
+        let lit_amount = near + last - far;
+        let least = min(build.lit_samples, 3u);
+        let wanted = u32(round(f32(build.lit_samples) * near / max(lit_amount, 1e-6)));
+        in_near = select(0u, build.lit_samples, near > 0.0);
+        if near > 0.0 && far < last {
             in_near = clamp(wanted, least, build.lit_samples - least);
         }
+        if lit_amount <= 0.0 {
+            return light;
+        }
     }
-    light += lit_light(look, table, h0, mu_s, 0.0, near, in_near);
-    return light + lit_light(look, table, h0, mu_s, far, last, build.lit_samples - in_near);
+    // Before the shadow and behind it.
+    for (var part = 0u; part < 2u; part++) {
+        let begin = select(0.0, far, part == 1u);
+        let finish = select(near, last, part == 1u);
+        let samples = select(in_near, build.lit_samples - in_near, part == 1u);
+        light += lit_light(look, table, h0, mu_s, begin, finish, samples);
+    }
+    return light;
 }
 
 @compute @workgroup_size(64)

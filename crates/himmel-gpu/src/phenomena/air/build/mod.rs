@@ -234,7 +234,7 @@ impl Builder {
             &[(0, write), (1, write), (2, write), (3, Slot::WriteLayers(format)), (4, Slot::Write(format))],
         );
         let pipeline = |root, entry, groups: &[&wgpu::BindGroupLayout]| -> Result<_, GpuError> {
-            Ok(compute(device, &pass::module(device, root)?, entry, groups))
+            Ok(compute(device, &pass::module(device, root)?, entry, &[], groups))
         };
         let density_view = layers(&tables.density);
         let depth_view = layers(&tables.depth);
