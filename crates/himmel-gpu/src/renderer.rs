@@ -180,15 +180,10 @@ impl SkyRenderer {
             target: *target,
             layout: pipeline_layout,
             module,
+            constants: air.constants(),
             made: std::array::from_fn(|_| OnceLock::new()),
         };
-        // What the first frame needs is made now.
-        let marching = air.sizes.sky_view.is_none();
-        for variant in [Variant::Marching, Variant::Plain, Variant::Special] {
-            if (variant == Variant::Marching) == marching {
-                pipelines.get(variant);
-            }
-        }
+        pipelines.make(air.sizes.sky_view.is_none());
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let view_stride = (size_of::<ViewUniform>() as u64).next_multiple_of(alignment);
         let view_buffer = uniform_buffer(device, "sky views", view_stride * FIRST_CAPACITY as u64);
@@ -232,6 +227,11 @@ impl SkyRenderer {
         let sizes = Air::sizes_of(atmosphere.quality().unwrap_or(self.default_quality), atmosphere.steps());
         if self.air.set(&self.device, &self.queue, sizes, atmosphere)? {
             self.bind_views();
+            if self.pipelines.constants != self.air.constants() {
+                self.pipelines.constants = self.air.constants();
+                self.pipelines.made = std::array::from_fn(|_| OnceLock::new());
+            }
+            self.pipelines.make(self.air.sizes.sky_view.is_none());
         }
         self.take_colours(atmosphere);
         Ok(())
@@ -363,13 +363,20 @@ impl SkyRenderer {
         self.record_build(encoder);
         self.uploads.finish();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+            label: Some("cells"),
+            timestamp_writes: stamps.as_deref_mut().and_then(|stamps| stamps.next_compute("cells")),
+        });
+        for &(_, _, slot) in &stations {
+            self.air.stations.record_cells(&mut pass, (slot as u64 * self.view_stride) as u32);
+        }
+        drop(pass);
+        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("sky view"),
             timestamp_writes: stamps.as_deref_mut().and_then(|stamps| stamps.next_compute("sky view")),
         });
-        for &(_, _, slot) in &stations {
+        for &(_, _, slot) in stations.iter().filter(|&&(_, _, slot)| uniforms[slot].sky_view == 1) {
             let offset = (slot as u64 * self.view_stride) as u32;
-            let table = uniforms[slot].sky_view == 1;
-            self.air.stations.record(&mut pass, &self.air.group, offset, table, lights);
+            self.air.stations.record_sky_view(&mut pass, &self.air.group, offset, lights);
         }
         drop(pass);
         self.marching.clear();
@@ -580,15 +587,26 @@ struct Pipelines {
     target: Target,
     layout: wgpu::PipelineLayout,
     module: wgpu::ShaderModule,
+    /// Of the air in hand.
+    constants: [(&'static str, f64); 2],
     made: [OnceLock<wgpu::RenderPipeline>; Variant::COUNT],
 }
 
 impl Pipelines {
+    /// Makes what the next frame needs.
+    fn make(&self, marching: bool) {
+        for variant in [Variant::Marching, Variant::Plain, Variant::Special] {
+            if (variant == Variant::Marching) == marching {
+                self.get(variant);
+            }
+        }
+    }
+
     fn get(&self, variant: Variant) -> &wgpu::RenderPipeline {
         self.made[variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
-            sky_pipeline(&self.device, &self.module, &self.layout, target, variant)
+            sky_pipeline(&self.device, &self.module, &self.layout, target, variant, self.constants)
         })
     }
 }
@@ -599,6 +617,7 @@ fn sky_pipeline(
     layout: &wgpu::PipelineLayout,
     target: &Target,
     variant: Variant,
+    [groups, aerosols]: [(&'static str, f64); 2],
 ) -> wgpu::RenderPipeline {
     let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
     let far_depth = [("far_depth", if reversed { 0.0 } else { 1.0 }), ("tiles", f64::from(variant.tiles()))];
@@ -607,6 +626,8 @@ fn sky_pipeline(
         ("metering", f64::from(u8::from(variant.metering()))),
         ("marching", f64::from(u8::from(variant.marching()))),
         ("tiles", f64::from(variant.tiles())),
+        groups,
+        aerosols,
     ];
     let options = |constants| wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {

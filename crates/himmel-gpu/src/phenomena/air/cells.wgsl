@@ -113,7 +113,7 @@ fn flattened(share: f32, dt: f32) -> f32 {
 }
 
 // One invocation a row.
-@compute @workgroup_size(64)
+@compute @workgroup_size(8)
 fn fill_cells(@builtin(global_invocation_id) id: vec3u) {
     let rows = textureDimensions(cells_out).y;
     if id.x >= rows {

@@ -224,7 +224,6 @@ fn march_air(start: AirRay, cell_row: f32, steps: u32, limit_m: f32) -> AirMarch
     let nu = start.nu;
     let second = 0.5 * (3.0 * nu * nu - 1.0);
     let theta_coordinate = theta_coordinate_of(start.theta);
-    let aerosols = airs[body].aerosol_count;
     var phases: array<vec4f, 4>;
     if !split_peaks {
         for (var a = 0u; a < aerosols; a++) {

@@ -11,6 +11,10 @@ const SUNS_ROW: i32 = 4;
 // Darkest G and irradiance that tables hold; what stands within a tenth of it is nothing.
 const FLOOR: f32 = 1e-30;
 
+// Of the air in hand: rows of densities, and aerosols. Constants, so that loops unroll and uniforms are read in place.
+override species_groups: u32 = 4u;
+override aerosols: u32 = 4u;
+
 // All components with one profile; coefficients where the profile is 1, 1/m.
 struct Species {
     extinction: vec4f,
@@ -116,20 +120,20 @@ struct Local {
 
 fn local_air(coordinate: f32) -> Local {
     var local: Local;
-    let count = airs[body].species_count;
-    for (var first = 0u; first < count; first += 4u) {
-        let density = density_row(i32(first / 4u), coordinate);
-        local.densities[first / 4u] = density;
-        for (var i = 0u; i < min(4u, count - first); i++) {
+    for (var group = 0u; group < species_groups; group++) {
+        let density = density_row(i32(group), coordinate);
+        local.densities[group] = density;
+        for (var i = 0u; i < 4u; i++) {
             let n = density[i];
-            local.extinction += n * airs[body].species[first + i].extinction;
-            local.peak += n * airs[body].species[first + i].peak;
-            local.scaled_0 += n * airs[body].species[first + i].scaled_0;
-            local.scaled_1 += n * airs[body].species[first + i].scaled_1;
-            local.scaled_2 += n * airs[body].species[first + i].scaled_2;
-            local.molecules_0 += n * airs[body].species[first + i].molecules_0;
-            local.molecules_2 += n * airs[body].species[first + i].molecules_2;
-            local.peak_reference += n * airs[body].species[first + i].reference.x;
+            let at = 4u * group + i;
+            local.extinction += n * airs[body].species[at].extinction;
+            local.peak += n * airs[body].species[at].peak;
+            local.scaled_0 += n * airs[body].species[at].scaled_0;
+            local.scaled_1 += n * airs[body].species[at].scaled_1;
+            local.scaled_2 += n * airs[body].species[at].scaled_2;
+            local.molecules_0 += n * airs[body].species[at].molecules_0;
+            local.molecules_2 += n * airs[body].species[at].molecules_2;
+            local.peak_reference += n * airs[body].species[at].reference.x;
         }
     }
     return local;
@@ -145,15 +149,15 @@ struct ScaledLocal {
 
 fn scaled_air(coordinate: f32) -> ScaledLocal {
     var local: ScaledLocal;
-    let count = airs[body].species_count;
-    for (var first = 0u; first < count; first += 4u) {
-        let density = density_row(i32(first / 4u), coordinate);
-        for (var i = 0u; i < min(4u, count - first); i++) {
+    for (var group = 0u; group < species_groups; group++) {
+        let density = density_row(i32(group), coordinate);
+        for (var i = 0u; i < 4u; i++) {
             let n = density[i];
-            local.extinction += n * (airs[body].species[first + i].extinction - airs[body].species[first + i].peak);
-            local.scaled_0 += n * airs[body].species[first + i].scaled_0;
-            local.scaled_1 += n * airs[body].species[first + i].scaled_1;
-            local.scaled_2 += n * airs[body].species[first + i].scaled_2;
+            let at = 4u * group + i;
+            local.extinction += n * (airs[body].species[at].extinction - airs[body].species[at].peak);
+            local.scaled_0 += n * airs[body].species[at].scaled_0;
+            local.scaled_1 += n * airs[body].species[at].scaled_1;
+            local.scaled_2 += n * airs[body].species[at].scaled_2;
         }
     }
     return local;
@@ -180,7 +184,7 @@ struct ToSpace {
 fn to_space(altitude_m: f32, mu: f32) -> ToSpace {
     let uv = sun_depth_uv(altitude_m, mu);
     var result = ToSpace(exp(-exp2(table_lookup(depth_table, 2u * body, uv))), 0.0);
-    if airs[body].aerosol_count > 0u {
+    if aerosols > 0u {
         result.peak = exp2(table_lookup(depth_table, 2u * body + 1u, uv).x);
     }
     return result;

@@ -123,13 +123,21 @@ impl Air {
     ) -> Result<bool, GpuError> {
         let prepared = Prepared::new(&atmosphere.sampled(), &sizes.moments);
         if sizes == self.sizes && prepared.aerosols.len().max(1) == self.peak_layers {
+            let before = self.constants();
             self.tables.upload(queue, 0, atmosphere, &prepared, 0)?;
-            self.builder.begin(0, true);
-            return Ok(false);
+            if before == self.constants() {
+                self.builder.begin(0, true);
+                return Ok(false);
+            }
         }
         let (frame_buffer, exposure) = (self.frame_buffer.clone(), self.exposure.clone());
         *self = Self::with_prepared(device, queue, sizes, atmosphere, &prepared, &frame_buffer, &exposure)?;
         Ok(true)
+    }
+
+    /// Values of the shaders' overrides for the air in hand.
+    pub(crate) fn constants(&self) -> [(&'static str, f64); 2] {
+        self.tables.constants()
     }
 
     /// Makes room for stations and lights; true if bind groups with the stations' tables are stale.

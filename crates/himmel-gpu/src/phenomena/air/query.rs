@@ -115,8 +115,9 @@ impl RayMeter {
             layout(device, "query cells", only, &[(0, Slot::WriteLayers(format)), (1, Slot::Buffer(false))]);
         let answer_layout = layout(device, "queries", only, &[(1, Slot::Buffer(false)), (2, Slot::Buffer(true))]);
         let module = pass::module(device, "phenomena/air/query.wgsl")?;
-        let place = compute(device, &module, "place_queries", &[], &[&medium_layout, &view_layout, &place_layout]);
-        let answer = compute(device, &module, "answer_queries", &[], &[&air.layout, &marching_layout, &answer_layout]);
+        let constants = air.constants();
+        let place = compute(device, &module, "place_queries", &constants, &[&medium_layout, &view_layout, &place_layout]);
+        let answer = compute(device, &module, "answer_queries", &constants, &[&air.layout, &marching_layout, &answer_layout]);
         let density = layers(&air.tables.density);
         let medium = [(1, Bound::Buffer(&air.tables.uniforms)), (2, Bound::View(&density))];
         let cells = layers(&cells);

@@ -30,7 +30,7 @@ fn fill_sky_view(@builtin(global_invocation_id) id: vec3u) {
     let peaks = peaks_of(air.weights, air.depths, theta, start.nu);
     textureStore(sky_view_out, id.xy, layer, air.radiance + table_share(theta) * peaks);
     textureStore(sky_view_out, id.xy, layer + 1u, vec4f(air.depths, 0.0, 0.0));
-    for (var a = 0u; a < airs[body].aerosol_count; a++) {
+    for (var a = 0u; a < aerosols; a++) {
         textureStore(sky_view_out, id.xy, layer + 2u + 2u * a, air.weights[2u * a]);
         textureStore(sky_view_out, id.xy, layer + 3u + 2u * a, air.weights[2u * a + 1u]);
     }

@@ -17,14 +17,14 @@ fn table_share(theta: f32) -> f32 {
 }
 
 fn sky_view_layer(light: u32) -> u32 {
-    return (view.station * frame.light_count + light) * (2u + 2u * airs[0].aerosol_count);
+    return (view.station * frame.light_count + light) * (2u + 2u * aerosols);
 }
 
 // The aerosols' peaks from a ray's weights and mean depths, at an angle to the light.
 fn peaks_of(weights: array<vec4f, 8>, depths: vec2f, theta: f32, nu: f32) -> vec4f {
     let coordinate = theta_coordinate_of(theta);
     var sum = vec4f(0.0);
-    for (var a = 0u; a < airs[body].aerosol_count; a++) {
+    for (var a = 0u; a < aerosols; a++) {
         let phase = aerosol_phase(airs[body].aerosols[a].layer, coordinate);
         sum += weights[2u * a] * peak_scaled(a, phase, coordinate, nu, depths.x);
         sum += weights[2u * a + 1u] * peak_unscaled(a, phase, coordinate, depths.y);
@@ -57,7 +57,7 @@ fn sky_view_radiance(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
     let share = 1.0 - table_share(theta);
     let depths = table_lookup(sky_view_table, layer + 1u, uv).xy;
     var weights: array<vec4f, 8>;
-    for (var a = 0u; a < 2u * airs[body].aerosol_count; a++) {
+    for (var a = 0u; a < 2u * aerosols; a++) {
         weights[a] = share * table_lookup(sky_view_table, layer + 2u + a, uv);
     }
     let peaks = peaks_of(weights, depths, theta, dot(ray, view.lights[light].direction));

@@ -58,24 +58,25 @@ impl Stations {
             layout(device, "cells", only, &[(0, Slot::WriteLayers(wgpu::TextureFormat::Rg32Float))]);
         let sky_view_layout =
             layout(device, "sky view", only, &[(0, Slot::WriteLayers(wgpu::TextureFormat::Rgba32Float))]);
+        let constants = tables.constants();
         let cells_pipeline = compute(
             device,
             &pass::module(device, "phenomena/air/cells.wgsl")?,
             "fill_cells",
-            &[],
+            &constants,
             &[&medium_layout, &station_layout, &cells_layout],
         );
         let sky_view_pipeline = compute(
             device,
             &pass::module(device, "phenomena/air/sky_view.wgsl")?,
             "fill_sky_view",
-            &[("split_peaks", 1.0)],
+            &[constants[0], constants[1], ("split_peaks", 1.0)],
             &[air_layout, &marching_layout, &sky_view_layout],
         );
         let density = layers(&tables.density);
         let bound = [(1, Bound::Buffer(&tables.uniforms)), (2, Bound::View(&density))];
         let medium_group = bind(device, "medium", &medium_layout, &bound);
-        let aerosols = tables.aerosols();
+        let aerosols = constants[1].1 as u32;
         let (cells, sky_view) = textures(device, sizes, 1, 1, aerosols);
         Ok(Self {
             cells,
@@ -129,28 +130,30 @@ impl Stations {
         });
     }
 
-    /// Fills the tables of a station, whose uniform lies at an offset.
-    pub(crate) fn record(
-        &self,
-        pass: &mut wgpu::ComputePass<'_>,
-        air_group: &wgpu::BindGroup,
-        offset: u32,
-        sky_view: bool,
-        lights: u32,
-    ) {
+    /// Places the cells of a station, whose uniform lies at an offset.
+    pub(crate) fn record_cells(&self, pass: &mut wgpu::ComputePass<'_>, offset: u32) {
         let Some(groups) = &self.groups else { return };
         pass.set_pipeline(&self.cells_pipeline);
         pass.set_bind_group(0, &self.medium_group, &[]);
         pass.set_bind_group(1, &groups.station, &[offset]);
         pass.set_bind_group(2, &groups.cells, &[]);
-        pass.dispatch_workgroups(self.rows.div_ceil(64), 1, 1);
-        if let (true, Some([width, height])) = (sky_view, self.sky_view_size) {
-            pass.set_pipeline(&self.sky_view_pipeline);
-            pass.set_bind_group(0, air_group, &[]);
-            pass.set_bind_group(1, &groups.marching, &[offset]);
-            pass.set_bind_group(2, &groups.sky_view, &[]);
-            pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), lights);
-        }
+        pass.dispatch_workgroups(self.rows.div_ceil(8), 1, 1);
+    }
+
+    /// Fills the sky view of a station.
+    pub(crate) fn record_sky_view(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        air_group: &wgpu::BindGroup,
+        offset: u32,
+        lights: u32,
+    ) {
+        let (Some(groups), Some([width, height])) = (&self.groups, self.sky_view_size) else { return };
+        pass.set_pipeline(&self.sky_view_pipeline);
+        pass.set_bind_group(0, air_group, &[]);
+        pass.set_bind_group(1, &groups.marching, &[offset]);
+        pass.set_bind_group(2, &groups.sky_view, &[]);
+        pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), lights);
     }
 }
 

@@ -96,9 +96,13 @@ impl Tables {
         Ok(())
     }
 
-    /// Largest number of aerosols in the air of a body.
-    pub(crate) fn aerosols(&self) -> u32 {
-        self.airs.iter().map(|air| air.aerosol_count).max().unwrap_or(0)
+    /// Values of the shaders' overrides for the air in hand, see `medium.wgsl`.
+    pub(crate) fn constants(&self) -> [(&'static str, f64); 2] {
+        let most = |count: &dyn Fn(&AirUniform) -> u32| f64::from(self.airs.iter().map(count).max().unwrap_or(0));
+        [
+            ("species_groups", most(&|air| air.species_count.div_ceil(4)).max(1.0)),
+            ("aerosols", most(&|air| air.aerosol_count)),
+        ]
     }
 
     /// Memory of the tables in bytes.

@@ -233,8 +233,9 @@ impl Builder {
             only,
             &[(0, write), (1, write), (2, write), (3, Slot::WriteLayers(format)), (4, Slot::Write(format))],
         );
+        let constants = tables.constants();
         let pipeline = |root, entry, groups: &[&wgpu::BindGroupLayout]| -> Result<_, GpuError> {
-            Ok(compute(device, &pass::module(device, root)?, entry, &[], groups))
+            Ok(compute(device, &pass::module(device, root)?, entry, &constants[..1], groups))
         };
         let density_view = layers(&tables.density);
         let depth_view = layers(&tables.depth);
