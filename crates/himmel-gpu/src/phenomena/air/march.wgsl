@@ -13,6 +13,10 @@ const LIT_SHARE: f32 = 0.4;
 // its mean depths: for tables. Otherwise every cell evaluates them.
 override split_peaks: bool = false;
 
+// Cells that share one look-up of what changes slowly along a ray: the moments' ratios and the peaks' depth to the Sun.
+// 1: none.
+override group_cells: u32 = 1u;
+
 // Where the cells of a ray lie: distances over the ray's length at shares 0..1 of the cells (columns), for elevations
 // (rows, as `elevation_row`). x: of the whole ray; y: by what each stretch scatters, flattened.
 @group(1) @binding(1) var cell_table: texture_2d_array<f32>;
@@ -78,23 +82,29 @@ fn angle_between(a: vec3f, b: vec3f) -> f32 {
     return PI - 2.0 * asin(min(0.5 * length(a + b), 1.0));
 }
 
-// Texel row of an elevation in tables that are split at the horizon and crowd there: the lower half of the rows is for
-// rays below it, none lies between. `below`: which side.
+// Rows of such tables for rays that meet the ground.
+fn rows_below(rows: i32) -> i32 {
+    return rows / 3;
+}
+
+// Texel row of an elevation in tables that are split at the horizon and crowd there: the first rows are for rays below it,
+// none lies between. `below`: which side.
 fn elevation_texel(elevation: f32, horizon: f32, below: bool, rows: i32) -> f32 {
-    let half_rows = f32(rows / 2);
+    let lower = f32(rows_below(rows));
+    let upper = f32(rows) - lower;
     let span = select(0.5 * PI - horizon, 0.5 * PI + horizon, below);
     let x = pow(clamp(abs(elevation - horizon) / max(span, 1e-6), 0.0, 1.0), 1.0 / 3.0);
-    return select(half_rows + x * (half_rows - 1.0), (1.0 - x) * (half_rows - 1.0), below);
+    return select(lower + x * (upper - 1.0), (1.0 - x) * (lower - 1.0), below);
 }
 
 // The elevation of a texel row of such a table.
 fn elevation_of_texel(y: i32, rows: i32, horizon: f32) -> f32 {
-    let half_rows = rows / 2;
-    if y < half_rows {
-        let x = 1.0 - f32(y) / f32(half_rows - 1);
+    let lower = rows_below(rows);
+    if y < lower {
+        let x = 1.0 - f32(y) / f32(lower - 1);
         return horizon - x * x * x * (0.5 * PI + horizon);
     }
-    let x = f32(y - half_rows) / f32(half_rows - 1);
+    let x = f32(y - lower) / f32(rows - lower - 1);
     return horizon + x * x * x * (0.5 * PI - horizon);
 }
 
@@ -102,7 +112,7 @@ fn elevation_of_texel(y: i32, rows: i32, horizon: f32) -> f32 {
 fn texel_mu(y: i32, rows: i32, altitude_m: f32) -> f32 {
     let horizon = horizon_cosine(airs[body].bottom_radius_m, altitude_m);
     let mu = sin(elevation_of_texel(y, rows, asin(horizon)));
-    return select(max(mu, horizon + 1e-6), min(mu, horizon - 1e-6), y < rows / 2);
+    return select(max(mu, horizon + 1e-6), min(mu, horizon - 1e-6), y < rows_below(rows));
 }
 
 // A column of the cell table, between two rows.
@@ -265,94 +275,111 @@ fn march_air(start: AirRay, cell_row: f32, steps: u32, limit_m: f32) -> AirMarch
     var mean_weights = vec2f(1e-30);
     var t = 0.0;
     // Every cell of either kind, and the edges of the shadow.
-    for (var guard = 0u; guard < steps + 4u && t < limit; guard++) {
-        if lit_cells > 0u && next_lit <= t {
-            var share = f32(next_lit_index) / f32(lit_cells) * lit_amount;
-            share = select(share - near_lit + far_lit, share, share <= near_lit);
-            next_lit = end * cell_edge(share, cell_row).y;
-            next_lit_index += 1u;
-            if next_lit_index > lit_cells + 1u {
-                next_lit = 2.0 * end;
-            }
+    for (var guard = 0u; guard < steps + 4u && t < limit; guard += group_cells) {
+        var ratios: Moments;
+        var sun_peak = 0.0;
+        if group_cells > 1u {
+            let ahead = min(f32(next_even_index) - 1.0 + 0.5 * f32(group_cells), f32(even_cells) - 0.5);
+            let there = max(end * cell_edge(ahead / f32(even_cells), cell_row).x, t);
+            let h = altitude_along(radius, start.altitude_m, start.mu, there);
+            let mu_s = clamp((r0 * start.mu_s + there * nu) / (radius + h), -1.0, 1.0);
+            let coordinate = altitude_coordinate(h);
+            ratios = moment_ratios(coordinate, suns_coordinate(density_row(SUNS_ROW, coordinate), mu_s).x);
+            sun_peak = peak_to_space(h, mu_s);
         }
-        if next_even <= t {
-            next_even_index += 1u;
-            next_even = end * cell_edge(f32(next_even_index) / f32(even_cells), cell_row).x;
-            if next_even_index >= even_cells {
-                next_even = end;
-            }
-        }
-        var next = min(next_even, limit);
-        if lit_cells > 0u {
-            next = min(next, max(next_lit, t));
-        }
-        if is_dark && t < dark.x {
-            next = min(next, dark.x);
-        } else if is_dark && t < dark.y {
-            next = min(next, dark.y);
-        }
-        let dt = next - t;
-        let middle = 0.5 * (t + next);
-        let is_lit = !is_dark || middle < dark.x || middle >= dark.y;
-        t = next;
-        if dt <= 0.0 {
-            continue;
-        }
-
-        let h = altitude_along(radius, start.altitude_m, start.mu, middle);
-        let r = radius + h;
-        let mu = clamp((r0 * start.mu + middle) / r, -1.0, 1.0);
-        let mu_s = clamp((r0 * start.mu_s + middle * nu) / r, -1.0, 1.0);
-        let coordinate = altitude_coordinate(h);
-        let local = local_air(coordinate);
-        let aerosol_scattering = local.scaled_0 + local.peak - local.molecules_0;
-
-        let around = moments_at(coordinate, density_row(SUNS_ROW, coordinate), mu_s);
-        let axes = frame_of_sun(mu, mu_s, nu);
-        var source_scaled = scattered(around, local.scaled_0, local.scaled_1, local.scaled_2, mu, axes);
-        var source_whole = vec4f(0.0);
-        if aerosols > 0u {
-            source_whole = scattered(
-                around, local.scaled_0 + local.peak, local.scaled_1 + local.peak, local.scaled_2 + local.peak, mu, axes);
-        }
-        let cell = pass_cell(local.extinction - local.peak, dt);
-        let cell_whole = pass_cell(local.extinction, dt);
-        if is_lit {
-            let sun = to_space(h, mu_s);
-            let smooth_light = local.scaled_0 + 3.0 * nu * local.scaled_1 + 5.0 * second * local.scaled_2;
-            source_scaled += sun.through * smooth_light / (4.0 * PI);
-            if aerosols > 0u {
-                source_whole += sun.through * (local.molecules_0 + 5.0 * second * local.molecules_2) / (4.0 * PI);
-                for (var a = 0u; a < aerosols; a++) {
-                    let species = airs[body].aerosols[a].species;
-                    let n = local.densities[species / 4u][species % 4u];
-                    let hit = sun.through * n * airs[body].aerosols[a].scattering;
-                    let depth = sun.peak + depth_view;
-                    let weight_scaled = hit * through_scaled * cell.length;
-                    let weight_whole = hit * through_whole * cell_whole.length;
-                    if split_peaks {
-                        result.weights[2u * a] += weight_scaled;
-                        result.weights[2u * a + 1u] += weight_whole;
-                        let weight = vec2f(dot(weight_scaled, vec4f(1.0)), dot(weight_whole, vec4f(1.0)));
-                        mean_depths += weight * vec2f(depth, sun.peak);
-                        mean_weights += weight;
-                    } else {
-                        source_scaled += hit * peak_scaled(a, phases[a], theta_coordinate, nu, depth);
-                        source_whole += hit * peak_unscaled(a, phases[a], theta_coordinate, sun.peak);
-                    }
+        for (var in_group = 0u; in_group < group_cells; in_group++) {
+            if lit_cells > 0u && next_lit <= t {
+                var share = f32(next_lit_index) / f32(lit_cells) * lit_amount;
+                share = select(share - near_lit + far_lit, share, share <= near_lit);
+                next_lit = end * cell_edge(share, cell_row).y;
+                next_lit_index += 1u;
+                if next_lit_index > lit_cells + 1u {
+                    next_lit = 2.0 * end;
                 }
             }
+            if next_even <= t {
+                next_even_index += 1u;
+                next_even = end * cell_edge(f32(next_even_index) / f32(even_cells), cell_row).x;
+                if next_even_index >= even_cells {
+                    next_even = end;
+                }
+            }
+            var next = min(next_even, limit);
+            if lit_cells > 0u {
+                next = min(next, max(next_lit, t));
+            }
+            if is_dark && t < dark.x {
+                next = min(next, dark.x);
+            } else if is_dark && t < dark.y {
+                next = min(next, dark.y);
+            }
+            let dt = next - t;
+            let middle = 0.5 * (t + next);
+            let is_lit = !is_dark || middle < dark.x || middle >= dark.y;
+            t = next;
+            if dt <= 0.0 {
+                continue;
+            }
+
+            let h = altitude_along(radius, start.altitude_m, start.mu, middle);
+            let r = radius + h;
+            let mu = clamp((r0 * start.mu + middle) / r, -1.0, 1.0);
+            let mu_s = clamp((r0 * start.mu_s + middle * nu) / r, -1.0, 1.0);
+            let coordinate = altitude_coordinate(h);
+            let local = local_air(coordinate);
+            let aerosol_scattering = local.scaled_0 + local.peak - local.molecules_0;
+
+            let column = suns_coordinate(density_row(SUNS_ROW, coordinate), mu_s);
+            if group_cells == 1u {
+                ratios = moment_ratios(coordinate, column.x);
+                sun_peak = peak_to_space(h, mu_s);
+            }
+            let g = moment_g(coordinate, column);
+            let axes = frame_of_sun(mu, mu_s, nu);
+            var source_scaled = g * scattered(ratios, local.scaled_0, local.scaled_1, local.scaled_2, mu, axes);
+            var source_whole = vec4f(0.0);
+            if aerosols > 0u {
+                source_whole = g * scattered(
+                    ratios, local.scaled_0 + local.peak, local.scaled_1 + local.peak, local.scaled_2 + local.peak, mu, axes);
+            }
+            let cell = pass_cell(local.extinction - local.peak, dt);
+            let cell_whole = pass_cell(local.extinction, dt);
+            // The planet's shadow has no sunlight; not a branch, which no lane of a group would skip alone.
+            let sun = select(0.0, 1.0, is_lit) * scaled_to_space(h, mu_s);
+            let smooth_light = local.scaled_0 + 3.0 * nu * local.scaled_1 + 5.0 * second * local.scaled_2;
+            source_scaled += sun * smooth_light / (4.0 * PI);
+            if aerosols > 0u {
+                source_whole += sun * (local.molecules_0 + 5.0 * second * local.molecules_2) / (4.0 * PI);
+            }
+            let depth = sun_peak + depth_view;
+            for (var a = 0u; a < aerosols; a++) {
+                let species = airs[body].aerosols[a].species;
+                let n = local.densities[species / 4u][species % 4u];
+                let hit = sun * n * airs[body].aerosols[a].scattering;
+                if split_peaks {
+                    let weight_scaled = hit * through_scaled * cell.length;
+                    let weight_whole = hit * through_whole * cell_whole.length;
+                    result.weights[2u * a] += weight_scaled;
+                    result.weights[2u * a + 1u] += weight_whole;
+                    let weight = vec2f(dot(weight_scaled, vec4f(1.0)), dot(weight_whole, vec4f(1.0)));
+                    mean_depths += weight * vec2f(depth, sun_peak);
+                    mean_weights += weight;
+                } else {
+                    source_scaled += hit * peak_scaled(a, phases[a], theta_coordinate, nu, depth);
+                    source_whole += hit * peak_unscaled(a, phases[a], theta_coordinate, sun_peak);
+                }
+            }
+            light_scaled += through_scaled * cell.length * source_scaled;
+            through_scaled *= cell.passed;
+            if aerosols > 0u {
+                let weight = through_whole * cell_whole.length;
+                light_whole += weight * source_whole;
+                slant_weight += weight * aerosol_scattering;
+                slant += weight * aerosol_scattering * (abs(mu) / (abs(mu) + EVEN_SLANT));
+                depth_view += local.peak_reference * dt;
+            }
+            through_whole *= cell_whole.passed;
         }
-        light_scaled += through_scaled * cell.length * source_scaled;
-        through_scaled *= cell.passed;
-        if aerosols > 0u {
-            let weight = through_whole * cell_whole.length;
-            light_whole += weight * source_whole;
-            slant_weight += weight * aerosol_scattering;
-            slant += weight * aerosol_scattering * (abs(mu) / (abs(mu) + EVEN_SLANT));
-            depth_view += local.peak_reference * dt;
-        }
-        through_whole *= cell_whole.passed;
     }
     if result.hits_ground {
         let reflected = ground_radiance(result.ground_mu_s);

@@ -182,12 +182,15 @@ struct ToSpace {
 }
 
 fn to_space(altitude_m: f32, mu: f32) -> ToSpace {
-    let uv = sun_depth_uv(altitude_m, mu);
-    var result = ToSpace(exp(-exp2(table_lookup(depth_table, 2u * body, uv))), 0.0);
-    if aerosols > 0u {
-        result.peak = exp2(table_lookup(depth_table, 2u * body + 1u, uv).x);
+    return ToSpace(scaled_to_space(altitude_m, mu), peak_to_space(altitude_m, mu));
+}
+
+// Depth of the peaks to space at the reference wavelength.
+fn peak_to_space(altitude_m: f32, mu: f32) -> f32 {
+    if aerosols == 0u {
+        return 0.0;
     }
-    return result;
+    return exp2(table_lookup(depth_table, 2u * body + 1u, sun_depth_uv(altitude_m, mu)).x);
 }
 
 // Transmittance of the whole medium to space: what discs and stars keep.
@@ -229,19 +232,23 @@ struct Moments {
     q_xz: vec4f,
 }
 
-fn moments_at(coordinate: f32, suns: vec4f, mu_s: f32) -> Moments {
-    let column = suns_coordinate(suns, mu_s);
-    let uv = vec2f(column.x, coordinate);
+// Their ratios to G; they change slowly along a ray. column: as `suns_coordinate`.
+fn moment_ratios(coordinate: f32, column: f32) -> Moments {
+    let uv = vec2f(column, coordinate);
     let layer = 6u * body;
-    let g = lit(exp(table_lookup(moment_table, layer, uv)) * column.y);
     return Moments(
-        g,
-        g * table_lookup(moment_table, layer + 1u, uv),
-        g * table_lookup(moment_table, layer + 2u, uv),
-        g * table_lookup(moment_table, layer + 3u, uv),
-        g * table_lookup(moment_table, layer + 4u, uv),
-        g * table_lookup(moment_table, layer + 5u, uv),
+        vec4f(1.0),
+        table_lookup(moment_table, layer + 1u, uv),
+        table_lookup(moment_table, layer + 2u, uv),
+        table_lookup(moment_table, layer + 3u, uv),
+        table_lookup(moment_table, layer + 4u, uv),
+        table_lookup(moment_table, layer + 5u, uv),
     );
+}
+
+// G itself.
+fn moment_g(coordinate: f32, column: vec2f) -> vec4f {
+    return lit(exp(table_lookup(moment_table, 6u * body, vec2f(column.x, coordinate))) * column.y);
 }
 
 // The directions of a view ray in the frame of the moments: x along the Sun's azimuth, and x², y².

@@ -23,9 +23,11 @@ fn fill_sky_view(@builtin(global_invocation_id) id: vec3u) {
     let theta = angle_between(ray, sun);
     let start = enter(view.altitude_m, mu, sine, mu_s, clamp(dot(ray, sun), -1.0, 1.0), theta);
     let row = elevation_texel(
-        asin(mu), asin(horizon_cosine(radius, view.altitude_m)), i32(id.y) < i32(size.y) / 2,
+        asin(mu), asin(horizon_cosine(radius, view.altitude_m)), i32(id.y) < rows_below(i32(size.y)),
         i32(textureDimensions(cell_table).y));
-    let air = march_air(start, row, frame.steps, 1e30);
+    // Rays to the ground are short, or seen through thin air from above.
+    let steps = select(frame.steps, max(frame.steps / 2u, 4u), i32(id.y) < rows_below(i32(size.y)));
+    let air = march_air(start, row, steps, 1e30);
     let layer = sky_view_layer(id.z);
     let peaks = peaks_of(air.weights, air.depths, theta, start.nu);
     textureStore(sky_view_out, id.xy, layer, air.radiance + table_share(theta) * peaks);

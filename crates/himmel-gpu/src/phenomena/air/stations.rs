@@ -70,7 +70,7 @@ impl Stations {
             device,
             &pass::module(device, "phenomena/air/sky_view.wgsl")?,
             "fill_sky_view",
-            &[constants[0], constants[1], ("split_peaks", 1.0)],
+            &[constants[0], constants[1], ("split_peaks", 1.0), ("group_cells", 4.0)],
             &[air_layout, &marching_layout, &sky_view_layout],
         );
         let density = layers(&tables.density);
