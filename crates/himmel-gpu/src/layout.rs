@@ -51,5 +51,6 @@ pub const SHARED: &[Layout] = &[
 /// Those of other passes, by their root.
 pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
     ("phenomena/air/build/resolve.wgsl", crate::phenomena::air::build::BuildUniform::LAYOUT),
+    ("phenomena/air/apply.wgsl", crate::phenomena::air::ApplyUniform::LAYOUT),
     ("phenomena/air/query.wgsl", crate::phenomena::air::Query::LAYOUT),
 ];

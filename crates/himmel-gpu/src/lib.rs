@@ -23,7 +23,7 @@ pub use error::GpuError;
 pub use frame::MOST_LIGHTS;
 pub use gpu::{AdapterReport, Gpu};
 pub use output::params::{Exposure, OutputParams, Tonemap};
-pub use phenomena::air::{AirSizes, RayAnswer, RayMeter};
+pub use phenomena::air::{AirSizes, ApplyAir, RayAnswer, RayMeter, ShadowMap};
 pub use phenomena::air::build::{Pace, Rebuild};
 pub use renderer::{FrameState, SkyRenderer, SunState};
 pub use still::{MAX_PIXELS, MAX_SIDE, Picture, Pixels, Still};

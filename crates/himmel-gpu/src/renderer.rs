@@ -12,7 +12,7 @@ use crate::output::meter::{self, Meter};
 use crate::output::params::OutputParams;
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
-use crate::phenomena::air::{Air, view_slot};
+use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
 use crate::phenomena::cleared;
 use crate::target::{DepthDirection, Output, Target};
 use crate::timing::Stamps;
@@ -100,6 +100,10 @@ pub struct SkyRenderer {
     view_stride: u64,
     capacity: usize,
     prepared: usize,
+    /// Made when air is first applied to a host's picture.
+    apply: Option<Apply>,
+    /// The prepared views.
+    views: Vec<View>,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     uploads: Uploads,
@@ -206,6 +210,8 @@ impl SkyRenderer {
             view_stride,
             capacity: FIRST_CAPACITY,
             prepared: 0,
+            apply: None,
+            views: Vec::new(),
             marching: Vec::new(),
             uploads: Uploads {
                 // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
@@ -232,6 +238,7 @@ impl SkyRenderer {
                 self.pipelines.made = std::array::from_fn(|_| OnceLock::new());
             }
             self.pipelines.make(self.air.sizes.sky_view.is_none());
+            self.apply = None;
         }
         self.take_colours(atmosphere);
         Ok(())
@@ -264,7 +271,7 @@ impl SkyRenderer {
 
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.air.bytes()
+        self.air.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
     /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
@@ -379,6 +386,8 @@ impl SkyRenderer {
             self.air.stations.record_sky_view(&mut pass, &self.air.group, offset, lights);
         }
         drop(pass);
+        self.views.clear();
+        self.views.extend_from_slice(views);
         self.marching.clear();
         self.marching.extend(uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0));
         match exposure {
@@ -420,6 +429,43 @@ impl SkyRenderer {
             self.draw_slot(pass, Variant::Plain, slot);
             self.draw_slot(pass, Variant::Special, slot);
         }
+    }
+
+    /// Puts the air before a picture that the host has drawn from a prepared view: attenuates its colours (linear
+    /// Rec. 709) wavelength by wavelength, and adds the light that is scattered into the lines of sight up to its depth.
+    /// Where the depth is that of nothing the colour stays: the sky is drawn there by [`draw`](Self::draw).
+    ///
+    /// `colour_in`, `depth` and `colour_out` have the same size and one sample a pixel; perspective and orthographic
+    /// projections of any kind. Call after [`prepare`](Self::prepare), once for each view of a frame.
+    pub fn apply_air(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        colour_in: &wgpu::TextureView,
+        depth: &wgpu::TextureView,
+        colour_out: &wgpu::TextureView,
+        view_index: usize,
+        air: &ApplyAir<'_>,
+    ) -> Result<(), GpuError> {
+        let Some(view) = self.views.get(view_index).copied() else {
+            return Err(GpuError::View(format!(
+                "view {view_index} was not prepared: the frame has {} views",
+                self.views.len()
+            )));
+        };
+        if self.apply.is_none() {
+            self.apply = Some(Apply::new(&self.device, &self.air, &self.view_layout)?);
+        }
+        let Some(apply) = &mut self.apply else { return Err(GpuError::Device("no passes".into())) };
+        let way = |altitude_m: f64| (altitude_m * (2.0 * self.bottom_radius_m + altitude_m)).max(0.0).sqrt();
+        let longest_m = 2.0 * way(self.top_altitude_m);
+        let (buffer, offset, uniform) = apply.uniform(&view, view_index, air, longest_m)?;
+        self.uploads.write(encoder, &buffer, offset, bytemuck::bytes_of(&uniform));
+        self.uploads.belts[self.uploads.turn].finish();
+        let view_offset = ((view_index as u64 + 1) * self.view_stride) as u32;
+        let marching = self.marching.get(view_index).copied().unwrap_or(true);
+        let pictures = [colour_in, depth, colour_out];
+        let (group, views) = (&self.air.group, &self.view_group);
+        apply.record(&self.device, encoder, group, views, view_offset, view_index, pictures, air, marching)
     }
 
     /// One `Rgba32Float` texel whose red is the prepared frame's exposure factor, metered or fixed, before

@@ -10,6 +10,8 @@ pub const FILES: &[(&str, &str)] = &[
     ("output/dither.wgsl", include_str!("output/dither.wgsl")),
     ("output/meter.wgsl", include_str!("output/meter.wgsl")),
     ("output/tonemap.wgsl", include_str!("output/tonemap.wgsl")),
+    ("phenomena/air/aerial.wgsl", include_str!("phenomena/air/aerial.wgsl")),
+    ("phenomena/air/apply.wgsl", include_str!("phenomena/air/apply.wgsl")),
     ("phenomena/air/build/build.wgsl", include_str!("phenomena/air/build/build.wgsl")),
     ("phenomena/air/build/fill.wgsl", include_str!("phenomena/air/build/fill.wgsl")),
     ("phenomena/air/build/first.wgsl", include_str!("phenomena/air/build/first.wgsl")),
@@ -18,6 +20,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/air/build/resolve.wgsl", include_str!("phenomena/air/build/resolve.wgsl")),
     ("phenomena/air/cells.wgsl", include_str!("phenomena/air/cells.wgsl")),
     ("phenomena/air/depth.wgsl", include_str!("phenomena/air/depth.wgsl")),
+    ("phenomena/air/froxels.wgsl", include_str!("phenomena/air/froxels.wgsl")),
     ("phenomena/air/march.wgsl", include_str!("phenomena/air/march.wgsl")),
     ("phenomena/air/medium.wgsl", include_str!("phenomena/air/medium.wgsl")),
     ("phenomena/air/query.wgsl", include_str!("phenomena/air/query.wgsl")),
@@ -40,6 +43,8 @@ pub const ROOTS: &[&str] = &[
     "phenomena/air/cells.wgsl",
     "phenomena/air/sky_view.wgsl",
     "phenomena/air/query.wgsl",
+    "phenomena/air/froxels.wgsl",
+    "phenomena/air/apply.wgsl",
 ];
 
 /// Why shader files could not be joined.

@@ -32,11 +32,11 @@ pub mod spectral;
 
 pub use clock::{Clock, parse_time};
 pub use error::{Error, Result};
-pub use himmel_air::{AirParams, GroundParams, Preset, SunParams};
+pub use himmel_air::{AirParams, AirQuality, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
-    AdapterReport, DepthDirection, Exposure, Gpu, GpuError, Output, OutputParams, PassTimes, Picture, Pixels,
-    Projection, Still, Target, Tonemap, View,
+    AdapterReport, AirSizes, ApplyAir, DepthDirection, Exposure, Gpu, GpuError, Output, OutputParams, Pace, PassTimes, Picture, Pixels,
+    Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, Still, Target, Tonemap, View,
 };
 pub use light::{Light, SunLight};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};

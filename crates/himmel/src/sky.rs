@@ -1,7 +1,7 @@
 //! The sky in the host's own render pass.
 
 use himmel_air::Preset;
-use himmel_gpu::{SkyRenderer, Target, View};
+use himmel_gpu::{ApplyAir, Rebuild, SkyRenderer, Target, View};
 
 use crate::error::Result;
 use crate::light::Light;
@@ -82,6 +82,30 @@ impl Sky {
     /// Draws a prepared view into your pass, at infinite depth.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         self.renderer.draw(pass, view_index);
+    }
+
+    /// Puts the air before a picture that you have drawn from a prepared view, by its depth; see
+    /// [`SkyRenderer::apply_air`]. `examples/terrain_host` is a complete host.
+    pub fn apply_air(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        colour_in: &wgpu::TextureView,
+        depth: &wgpu::TextureView,
+        colour_out: &wgpu::TextureView,
+        view_index: usize,
+        air: &ApplyAir<'_>,
+    ) -> Result<()> {
+        Ok(self.renderer.apply_air(encoder, colour_in, depth, colour_out, view_index, air)?)
+    }
+
+    /// How far the rebuilding of the air's tables is after an edit; `None` once all orders of scattering are there.
+    pub fn rebuilding(&self) -> Option<Rebuild> {
+        self.renderer.rebuilding()
+    }
+
+    /// The renderer, for its pace and its memory.
+    pub fn renderer_mut(&mut self) -> &mut SkyRenderer {
+        &mut self.renderer
     }
 
     /// The exposure that the prepared frame is drawn with, for your shaders: one texel, see

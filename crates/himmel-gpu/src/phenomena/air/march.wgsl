@@ -212,34 +212,160 @@ fn pass_cell(extinction: vec4f, dt: f32) -> CellPass {
     return CellPass(select(closed, dt * (vec4f(1.0) - 0.5 * x + x * x / 6.0), x < vec4f(1e-3)), passed);
 }
 
+// A ray under way: what all its cells know.
+struct Marcher {
+    start: AirRay,
+    r0: f32,
+    theta_coordinate: f32,
+    second: f32,
+    phases: array<vec4f, 4>,
+    light_scaled: vec4f,
+    light_whole: vec4f,
+    through_scaled: vec4f,
+    through_whole: vec4f,
+    // Depth of the peaks from the viewer, and to the Sun (of a group of cells).
+    depth_view: f32,
+    sun_peak: f32,
+    ratios: Moments,
+    slant: vec4f,
+    slant_weight: vec4f,
+    mean_depths: vec2f,
+    mean_weights: vec2f,
+    weights: array<vec4f, 8>,
+}
+
+fn begin_march(start: AirRay) -> Marcher {
+    var m: Marcher;
+    m.start = start;
+    m.r0 = airs[body].bottom_radius_m + start.altitude_m;
+    m.second = 0.5 * (3.0 * start.nu * start.nu - 1.0);
+    m.theta_coordinate = theta_coordinate_of(start.theta);
+    if !split_peaks {
+        for (var a = 0u; a < aerosols; a++) {
+            m.phases[a] = aerosol_phase(airs[body].aerosols[a].layer, m.theta_coordinate);
+        }
+    }
+    m.through_scaled = vec4f(1.0);
+    m.through_whole = vec4f(1.0);
+    m.mean_weights = vec2f(1e-30);
+    return m;
+}
+
+// Looks up what a group of cells shares, at a distance in its middle.
+fn begin_group(m: ptr<function, Marcher>, t: f32) {
+    let start = (*m).start;
+    let radius = airs[body].bottom_radius_m;
+    let h = altitude_along(radius, start.altitude_m, start.mu, t);
+    let mu_s = clamp(((*m).r0 * start.mu_s + t * start.nu) / (radius + h), -1.0, 1.0);
+    let coordinate = altitude_coordinate(h);
+    (*m).ratios = moment_ratios(coordinate, suns_coordinate(density_row(SUNS_ROW, coordinate), mu_s).x);
+    (*m).sun_peak = peak_to_space(h, mu_s);
+}
+
+// Adds a cell. lit: share of the Sun's light that reaches it, but for the air.
+fn add_cell(m: ptr<function, Marcher>, middle: f32, dt: f32, lit: f32) {
+    let start = (*m).start;
+    let nu = start.nu;
+    let radius = airs[body].bottom_radius_m;
+    let h = altitude_along(radius, start.altitude_m, start.mu, middle);
+    let r = radius + h;
+    let mu = clamp(((*m).r0 * start.mu + middle) / r, -1.0, 1.0);
+    let mu_s = clamp(((*m).r0 * start.mu_s + middle * nu) / r, -1.0, 1.0);
+    let coordinate = altitude_coordinate(h);
+    let local = local_air(coordinate);
+    let aerosol_scattering = local.scaled_0 + local.peak - local.molecules_0;
+    let column = suns_coordinate(density_row(SUNS_ROW, coordinate), mu_s);
+    if group_cells == 1u {
+        (*m).ratios = moment_ratios(coordinate, column.x);
+        (*m).sun_peak = peak_to_space(h, mu_s);
+    }
+    let g = moment_g(coordinate, column);
+    let axes = frame_of_sun(mu, mu_s, nu);
+    var source_scaled = g * scattered((*m).ratios, local.scaled_0, local.scaled_1, local.scaled_2, mu, axes);
+    var source_whole = vec4f(0.0);
+    if aerosols > 0u {
+        source_whole = g * scattered(
+            (*m).ratios, local.scaled_0 + local.peak, local.scaled_1 + local.peak, local.scaled_2 + local.peak, mu, axes);
+    }
+    let cell = pass_cell(local.extinction - local.peak, dt);
+    let cell_whole = pass_cell(local.extinction, dt);
+    // Not a branch: no lane of a group would skip it alone.
+    let sun = lit * scaled_to_space(h, mu_s);
+    let smooth_light = local.scaled_0 + 3.0 * nu * local.scaled_1 + 5.0 * (*m).second * local.scaled_2;
+    source_scaled += sun * smooth_light / (4.0 * PI);
+    if aerosols > 0u {
+        source_whole += sun * (local.molecules_0 + 5.0 * (*m).second * local.molecules_2) / (4.0 * PI);
+    }
+    let depth = (*m).sun_peak + (*m).depth_view;
+    for (var a = 0u; a < aerosols; a++) {
+        let species = airs[body].aerosols[a].species;
+        let n = local.densities[species / 4u][species % 4u];
+        let hit = sun * n * airs[body].aerosols[a].scattering;
+        if split_peaks {
+            let weight_scaled = hit * (*m).through_scaled * cell.length;
+            let weight_whole = hit * (*m).through_whole * cell_whole.length;
+            (*m).weights[2u * a] += weight_scaled;
+            (*m).weights[2u * a + 1u] += weight_whole;
+            let weight = vec2f(dot(weight_scaled, vec4f(1.0)), dot(weight_whole, vec4f(1.0)));
+            (*m).mean_depths += weight * vec2f(depth, (*m).sun_peak);
+            (*m).mean_weights += weight;
+        } else {
+            source_scaled += hit * peak_scaled(a, (*m).phases[a], (*m).theta_coordinate, nu, depth);
+            source_whole += hit * peak_unscaled(a, (*m).phases[a], (*m).theta_coordinate, (*m).sun_peak);
+        }
+    }
+    (*m).light_scaled += (*m).through_scaled * cell.length * source_scaled;
+    (*m).through_scaled *= cell.passed;
+    if aerosols > 0u {
+        let weight = (*m).through_whole * cell_whole.length;
+        (*m).light_whole += weight * source_whole;
+        (*m).slant_weight += weight * aerosol_scattering;
+        (*m).slant += weight * aerosol_scattering * (abs(mu) / (abs(mu) + EVEN_SLANT));
+        (*m).depth_view += local.peak_reference * dt;
+    }
+    (*m).through_whole *= cell_whole.passed;
+}
+
+// What came of a march. reflected: radiance of what lies at its end.
+fn end_march(m: ptr<function, Marcher>, reflected: vec4f) -> AirMarch {
+    var result: AirMarch;
+    let scaled = (*m).light_scaled + (*m).through_scaled * reflected;
+    let whole = (*m).light_whole + (*m).through_whole * reflected;
+    let weighed = (*m).slant_weight > vec4f(0.0);
+    let blend = select(vec4f(1.0), (*m).slant / max((*m).slant_weight, vec4f(1e-30)), weighed);
+    result.radiance = select(scaled, blend * scaled + (vec4f(1.0) - blend) * whole, vec4<bool>(aerosols > 0u));
+    for (var a = 0u; a < aerosols; a++) {
+        result.weights[2u * a] = blend * (*m).weights[2u * a];
+        result.weights[2u * a + 1u] = (vec4f(1.0) - blend) * (*m).weights[2u * a + 1u];
+    }
+    result.depths = (*m).mean_depths / (*m).mean_weights;
+    result.through_extended = (*m).through_scaled;
+    result.through = (*m).through_whole;
+    return result;
+}
+
 // Marches a ray. cell_row: its row in the cell table. limit_m: where the ray is cut (1e30: where the air ends).
 fn march_air(start: AirRay, cell_row: f32, steps: u32, limit_m: f32) -> AirMarch {
-    var result: AirMarch;
-    result.through_extended = vec4f(1.0);
-    result.through = vec4f(1.0);
+    var nothing: AirMarch;
+    nothing.through_extended = vec4f(1.0);
+    nothing.through = vec4f(1.0);
     if start.misses || limit_m <= 0.0 {
-        return result;
+        return nothing;
     }
     let radius = airs[body].bottom_radius_m;
-    let r0 = radius + start.altitude_m;
+    let nu = start.nu;
+    var m = begin_march(start);
     let ground = ground_distance(radius, start.altitude_m, start.mu);
     var end = ground;
+    var hits_ground = false;
+    var ground_mu_s = 0.0;
     if ground >= 0.0 {
-        result.hits_ground = limit_m >= end;
-        result.ground_mu_s = clamp((r0 * start.mu_s + ground * start.nu) / radius, -1.0, 1.0);
+        hits_ground = limit_m >= end;
+        ground_mu_s = clamp((m.r0 * start.mu_s + ground * nu) / radius, -1.0, 1.0);
     } else {
         end = top_distance(radius, airs[body].top_altitude_m, start.altitude_m, start.mu);
     }
     let limit = min(end, limit_m);
-    let nu = start.nu;
-    let second = 0.5 * (3.0 * nu * nu - 1.0);
-    let theta_coordinate = theta_coordinate_of(start.theta);
-    var phases: array<vec4f, 4>;
-    if !split_peaks {
-        for (var a = 0u; a < aerosols; a++) {
-            phases[a] = aerosol_phase(airs[body].aerosols[a].layer, theta_coordinate);
-        }
-    }
 
     // Cells: edges by the table; where the ray crosses the planet's shadow, some of them go to its lit parts alone.
     let dark = min(shadow_interval(radius, start.altitude_m, start.mu, start.mu_s, nu), vec2f(end));
@@ -264,28 +390,12 @@ fn march_air(start: AirRay, cell_row: f32, steps: u32, limit_m: f32) -> AirMarch
     var next_even = end * cell_edge(1.0 / f32(even_cells), cell_row).x;
     var next_lit = 2.0 * end;
 
-    var light_scaled = vec4f(0.0);
-    var light_whole = vec4f(0.0);
-    var through_scaled = vec4f(1.0);
-    var through_whole = vec4f(1.0);
-    var depth_view = 0.0;
-    var slant = vec4f(0.0);
-    var slant_weight = vec4f(0.0);
-    var mean_depths = vec2f(0.0);
-    var mean_weights = vec2f(1e-30);
     var t = 0.0;
     // Every cell of either kind, and the edges of the shadow.
     for (var guard = 0u; guard < steps + 4u && t < limit; guard += group_cells) {
-        var ratios: Moments;
-        var sun_peak = 0.0;
         if group_cells > 1u {
             let ahead = min(f32(next_even_index) - 1.0 + 0.5 * f32(group_cells), f32(even_cells) - 0.5);
-            let there = max(end * cell_edge(ahead / f32(even_cells), cell_row).x, t);
-            let h = altitude_along(radius, start.altitude_m, start.mu, there);
-            let mu_s = clamp((r0 * start.mu_s + there * nu) / (radius + h), -1.0, 1.0);
-            let coordinate = altitude_coordinate(h);
-            ratios = moment_ratios(coordinate, suns_coordinate(density_row(SUNS_ROW, coordinate), mu_s).x);
-            sun_peak = peak_to_space(h, mu_s);
+            begin_group(&m, max(end * cell_edge(ahead / f32(even_cells), cell_row).x, t));
         }
         for (var in_group = 0u; in_group < group_cells; in_group++) {
             if lit_cells > 0u && next_lit <= t {
@@ -317,83 +427,17 @@ fn march_air(start: AirRay, cell_row: f32, steps: u32, limit_m: f32) -> AirMarch
             let middle = 0.5 * (t + next);
             let is_lit = !is_dark || middle < dark.x || middle >= dark.y;
             t = next;
-            if dt <= 0.0 {
-                continue;
+            if dt > 0.0 {
+                add_cell(&m, middle, dt, select(0.0, 1.0, is_lit));
             }
-
-            let h = altitude_along(radius, start.altitude_m, start.mu, middle);
-            let r = radius + h;
-            let mu = clamp((r0 * start.mu + middle) / r, -1.0, 1.0);
-            let mu_s = clamp((r0 * start.mu_s + middle * nu) / r, -1.0, 1.0);
-            let coordinate = altitude_coordinate(h);
-            let local = local_air(coordinate);
-            let aerosol_scattering = local.scaled_0 + local.peak - local.molecules_0;
-
-            let column = suns_coordinate(density_row(SUNS_ROW, coordinate), mu_s);
-            if group_cells == 1u {
-                ratios = moment_ratios(coordinate, column.x);
-                sun_peak = peak_to_space(h, mu_s);
-            }
-            let g = moment_g(coordinate, column);
-            let axes = frame_of_sun(mu, mu_s, nu);
-            var source_scaled = g * scattered(ratios, local.scaled_0, local.scaled_1, local.scaled_2, mu, axes);
-            var source_whole = vec4f(0.0);
-            if aerosols > 0u {
-                source_whole = g * scattered(
-                    ratios, local.scaled_0 + local.peak, local.scaled_1 + local.peak, local.scaled_2 + local.peak, mu, axes);
-            }
-            let cell = pass_cell(local.extinction - local.peak, dt);
-            let cell_whole = pass_cell(local.extinction, dt);
-            // The planet's shadow has no sunlight; not a branch, which no lane of a group would skip alone.
-            let sun = select(0.0, 1.0, is_lit) * scaled_to_space(h, mu_s);
-            let smooth_light = local.scaled_0 + 3.0 * nu * local.scaled_1 + 5.0 * second * local.scaled_2;
-            source_scaled += sun * smooth_light / (4.0 * PI);
-            if aerosols > 0u {
-                source_whole += sun * (local.molecules_0 + 5.0 * second * local.molecules_2) / (4.0 * PI);
-            }
-            let depth = sun_peak + depth_view;
-            for (var a = 0u; a < aerosols; a++) {
-                let species = airs[body].aerosols[a].species;
-                let n = local.densities[species / 4u][species % 4u];
-                let hit = sun * n * airs[body].aerosols[a].scattering;
-                if split_peaks {
-                    let weight_scaled = hit * through_scaled * cell.length;
-                    let weight_whole = hit * through_whole * cell_whole.length;
-                    result.weights[2u * a] += weight_scaled;
-                    result.weights[2u * a + 1u] += weight_whole;
-                    let weight = vec2f(dot(weight_scaled, vec4f(1.0)), dot(weight_whole, vec4f(1.0)));
-                    mean_depths += weight * vec2f(depth, sun_peak);
-                    mean_weights += weight;
-                } else {
-                    source_scaled += hit * peak_scaled(a, phases[a], theta_coordinate, nu, depth);
-                    source_whole += hit * peak_unscaled(a, phases[a], theta_coordinate, sun_peak);
-                }
-            }
-            light_scaled += through_scaled * cell.length * source_scaled;
-            through_scaled *= cell.passed;
-            if aerosols > 0u {
-                let weight = through_whole * cell_whole.length;
-                light_whole += weight * source_whole;
-                slant_weight += weight * aerosol_scattering;
-                slant += weight * aerosol_scattering * (abs(mu) / (abs(mu) + EVEN_SLANT));
-                depth_view += local.peak_reference * dt;
-            }
-            through_whole *= cell_whole.passed;
         }
     }
-    if result.hits_ground {
-        let reflected = ground_radiance(result.ground_mu_s);
-        light_scaled += through_scaled * reflected;
-        light_whole += through_whole * reflected;
+    var reflected = vec4f(0.0);
+    if hits_ground {
+        reflected = ground_radiance(ground_mu_s);
     }
-    let blend = select(vec4f(1.0), slant / max(slant_weight, vec4f(1e-30)), slant_weight > vec4f(0.0));
-    result.radiance = select(light_scaled, blend * light_scaled + (vec4f(1.0) - blend) * light_whole, vec4<bool>(aerosols > 0u));
-    for (var a = 0u; a < aerosols; a++) {
-        result.weights[2u * a] *= blend;
-        result.weights[2u * a + 1u] *= vec4f(1.0) - blend;
-    }
-    result.depths = mean_depths / mean_weights;
-    result.through_extended = through_scaled;
-    result.through = through_whole;
+    var result = end_march(&m, reflected);
+    result.hits_ground = hits_ground;
+    result.ground_mu_s = ground_mu_s;
     return result;
 }

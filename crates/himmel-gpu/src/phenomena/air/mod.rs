@@ -10,6 +10,7 @@
 //! - **Known to look wrong**: see [`himmel_air::moments`]: the zenith of Mars with the Sun at the horizon, thick haze near
 //!   a low Sun, beneath the clouds of Venus.
 
+mod apply;
 pub mod build;
 mod query;
 mod sizes;
@@ -24,6 +25,8 @@ use crate::error::GpuError;
 use crate::frame::FrameUniform;
 use crate::pass::{Bound, Slot, bind, layers, layout};
 use build::{Builder, Pace, Rebuild};
+pub(crate) use apply::Apply;
+pub use apply::{ApplyAir, ApplyUniform, ShadowMap};
 pub use query::{Query, RayAnswer, RayMeter};
 pub use sizes::AirSizes;
 pub(crate) use stations::{Stations, view_slot};
