@@ -39,7 +39,7 @@ fn sight_of(ndc: vec2f, depth: f32) -> Sight {
         return Sight(vec3f(0.0), place / max(distance_m, 1e-6), distance_m);
     }
     // Rays are parallel; they begin in the camera's plane.
-    let other = apply.view_from_clip * vec4f(ndc, 0.5 * depth + 0.25, 1.0);
+    let other = apply.view_from_clip * vec4f(ndc, select(depth + 0.25, depth - 0.25, depth > 0.5), 1.0);
     var direction = normalize(other.xyz / other.w - place);
     direction = select(direction, -direction, direction.z > 0.0);
     let distance_m = max(place.z / direction.z, 0.0);
