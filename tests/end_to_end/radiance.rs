@@ -150,8 +150,8 @@ fn bad_usage_exits_with_2() {
     let table = ["--input", "q.csv", "--output", "a.csv"];
     let one = ["--sun-zenith", "60", "--view-zenith", "45"];
     for (args, more, code, words) in [
-        (table, vec!["--solver", "gpu"], 2, "reference and moments"),
-        (table, vec!["--solver", "magic"], 2, "reference and moments"),
+        (table, vec!["--solver", "gpu", "--samples", "64"], 2, "chance"),
+        (table, vec!["--solver", "magic"], 2, "reference, moments and gpu"),
         (table, vec!["--samples", "0"], 2, "32"),
         (table, vec!["--samples", "31"], 2, "32"),
         (table, vec!["--samples", "many"], 2, "--samples"),

@@ -12,6 +12,7 @@ use glam::DVec3;
 pub const USAGE: &str =
     "cargo xtask accuracy reference [--quick] [--output FILE.md]   the tracer against other programs and laws
 cargo xtask accuracy moments [--quick] [--output FILE.md]     the moment solver and Hillaire 2020 against the tracer
+cargo xtask accuracy gpu [--quick] [--output FILE.md]         the renderer on the GPU, and Hillaire 2020, against the tracer
 cargo xtask accuracy colour [--quick] [--output FILE.md]      four wavelengths and sharp channels against full spectra
 cargo xtask accuracy grid [--quick]                           questions for `himmel radiance`, a grid over all geometries";
 
@@ -48,7 +49,11 @@ pub fn run(args: &[String]) -> Result<(), String> {
     let started = std::time::Instant::now();
     let mut text = match what.as_deref() {
         Some("reference") => reference::table(work)?,
-        Some("moments") => moments::table(work)?,
+        Some("moments") => moments::table(work, None)?,
+        Some("gpu") => {
+            let gpu = himmel::Gpu::open(None).map_err(|error| error.to_string())?;
+            format!("Adapter: {}.\n\n{}", gpu.report(), moments::table(work, Some(&gpu))?)
+        }
         Some("colour") => colour::table(work)?,
         _ => return Err(USAGE.into()),
     };

@@ -1,4 +1,4 @@
-//! The moment solver, and the usual approximation, against the tracer: what decides sizes and mappings of the tables.
+//! The moment solver (in f64, or the renderer's on the GPU) and the usual approximation against the tracer.
 
 use std::fmt::Write as _;
 
@@ -6,7 +6,9 @@ use himmel_air::hillaire::{Hillaire, Settings};
 use himmel_air::moments::{Moments, Quality, radiance};
 use himmel_air::reference::{Effort, Source, Tracer, for_each_parallel};
 use himmel_air::single::Ray;
-use himmel_air::{Columns, Preset};
+use himmel::{Gpu, RayMeter};
+use himmel_air::medium::Sampled;
+use himmel_air::{AirParams, Atmosphere, Columns, GroundParams, Preset};
 
 use super::{Random, Work, quantile, view};
 
@@ -61,9 +63,11 @@ struct Point {
     usual_converged: [f64; 3],
 }
 
-pub fn table(work: Work) -> Result<String, String> {
-    let mut text = String::from(
-        "| class | points × λ | reference ± | this solver, 32 cells | without multiple scattering | Hillaire 2020, converged | Hillaire 2020, usual sizes |\n|---|---|---|---|---|---|---|\n",
+/// `gpu`: the renderer's own tables and shaders instead of the f64 twin.
+pub fn table(work: Work, gpu: Option<&Gpu>) -> Result<String, String> {
+    let ours = if gpu.is_some() { "ours on the GPU" } else { "this solver, 32 cells" };
+    let mut text = format!(
+        "| class | points × λ | reference ± | {ours} | without multiple scattering | Hillaire 2020, converged | Hillaire 2020, usual sizes |\n|---|---|---|---|---|---|---|\n",
     );
     let mut notes = String::new();
     let mut worst_text = String::new();
@@ -72,23 +76,14 @@ pub fn table(work: Work) -> Result<String, String> {
         let preset = Preset::named(class.preset).map_err(|error| error.to_string())?;
         let air = preset.medium.sampled(&WAVELENGTHS_NM);
         let tracer = Tracer::new(&air).map_err(|error| error.to_string())?;
-        let solvers = match last.take() {
+        let mut solvers = match last.take() {
             Some((name, solvers)) if name == class.preset => solvers,
             _ => {
                 let columns = Columns::new(&preset.medium);
-                let started = std::time::Instant::now();
-                let moments = Moments::build(&air, &columns, &Quality::default());
-                let build_s = started.elapsed().as_secs_f64();
-                let _ = writeln!(
-                    notes,
-                    "- `{}`: {} orders, last change {:.1e}, built in {build_s:.1} s at three wavelengths",
-                    class.preset,
-                    moments.orders(),
-                    moments.last_change()
-                );
+                let ours = Ours::build(&preset, &air, &columns, gpu, class.preset, &mut notes)?;
                 let usual = Hillaire::build(&air, &columns, &Settings::USUAL);
                 let usual_converged = Hillaire::build(&air, &columns, &Settings::CONVERGED);
-                Solvers { columns, moments, usual, usual_converged }
+                Solvers { columns, ours, usual, usual_converged }
             }
         };
         let mut random = Random::new(1000 + index as u64);
@@ -108,6 +103,9 @@ pub fn table(work: Work) -> Result<String, String> {
             most_samples: work.count(1 << 20),
             seed: 77,
         };
+        let rays: Vec<Ray> = questions.iter().map(|(ray, ..)| *ray).collect();
+        let ours = solvers.ours.answer(&air, &solvers.columns, &rays)?;
+        let solvers_now = &solvers;
         let mut points = Vec::new();
         for_each_parallel(
             questions.len(),
@@ -118,9 +116,9 @@ pub fn table(work: Work) -> Result<String, String> {
                     ray,
                     reference: answer.value,
                     relative_error: answer.relative_error(),
-                    ours: radiance(&air, &solvers.columns, &solvers.moments, &ray, 32),
-                    usual: solvers.usual.radiance(&air, &solvers.columns, &ray),
-                    usual_converged: solvers.usual_converged.radiance(&air, &solvers.columns, &ray),
+                    ours: ours[i],
+                    usual: solvers_now.usual.radiance(&air, &solvers_now.columns, &ray),
+                    usual_converged: solvers_now.usual_converged.radiance(&air, &solvers_now.columns, &ray),
                 })
             },
             |_, point| {
@@ -199,9 +197,67 @@ pub fn table(work: Work) -> Result<String, String> {
 
 struct Solvers {
     columns: Columns,
-    moments: Moments<3>,
+    ours: Ours,
     usual: Hillaire<3>,
     usual_converged: Hillaire<3>,
+}
+
+/// What is compared.
+enum Ours {
+    Moments(Box<Moments<3>>),
+    Gpu(Box<RayMeter>),
+}
+
+impl Ours {
+    fn build(
+        preset: &Preset,
+        air: &Sampled<'_, 3>,
+        columns: &Columns,
+        gpu: Option<&Gpu>,
+        name: &str,
+        notes: &mut String,
+    ) -> Result<Self, String> {
+        let started = std::time::Instant::now();
+        let Some(gpu) = gpu else {
+            let moments = Moments::build(air, columns, &Quality::default());
+            let build_s = started.elapsed().as_secs_f64();
+            let _ = writeln!(
+                notes,
+                "- `{name}`: {} orders, last change {:.1e}, built in {build_s:.1} s at three wavelengths",
+                moments.orders(),
+                moments.last_change()
+            );
+            return Ok(Self::Moments(Box::new(moments)));
+        };
+        let [first, second, third] = WAVELENGTHS_NM;
+        let params = AirParams {
+            wavelength_1_nm: first,
+            wavelength_2_nm: second,
+            wavelength_3_nm: third,
+            wavelength_4_nm: third,
+            ..AirParams::default()
+        };
+        let atmosphere = Atmosphere::new(preset, &params, &GroundParams::default());
+        let meter = RayMeter::new(gpu, &atmosphere, &mut |_| true).map_err(|error| error.to_string())?;
+        let _ = writeln!(
+            notes,
+            "- `{name}`: {:.2} MiB of tables, filled in {:.1} s",
+            meter.table_bytes() as f64 / 1048576.0,
+            started.elapsed().as_secs_f64()
+        );
+        Ok(Self::Gpu(Box::new(meter)))
+    }
+
+    fn answer(&mut self, air: &Sampled<'_, 3>, columns: &Columns, rays: &[Ray]) -> Result<Vec<[f64; 3]>, String> {
+        match self {
+            Self::Moments(moments) => Ok(rays.iter().map(|ray| radiance(air, columns, moments, ray, 32)).collect()),
+            Self::Gpu(meter) => {
+                let answers = meter.answer(rays).map_err(|error| error.to_string())?;
+                let three = |four: [f32; 4]| [0, 1, 2].map(|k| f64::from(four[k]));
+                Ok(answers.iter().map(|answer| three(answer.radiance_per_sr)).collect())
+            }
+        }
+    }
 }
 
 fn percent(value: f64) -> String {

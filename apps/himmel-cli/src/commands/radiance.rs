@@ -5,7 +5,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
-use himmel::Scene;
+use himmel::{Gpu, Scene};
 use himmel_air::AirError;
 use himmel_air::medium::Medium;
 use himmel_air::moments::Quality;
@@ -22,6 +22,7 @@ use crate::{Failure, out, print_bytes};
 #[command(after_help = "Examples:
   himmel radiance --preset bruneton2017 --sun-zenith 60 --view-zenith 45 --azimuth 90
   himmel radiance --preset mars-reference --input q.csv --output a.csv --target-error 0.01
+  himmel radiance --solver gpu --preset bruneton2017 --input q.csv --output a.csv
   himmel radiance --solver moments --transmittance --set ground.albedo=0.3 --input q.csv --output a.csv
 
 A table of questions has one header line and, in any order, the columns altitude_m, sun_zenith_deg, view_zenith_deg,
@@ -30,12 +31,13 @@ azimuth_deg (view minus Sun) and wavelength_nm (360 to 830); other columns are p
 transmittance where asked for. The Sun is a parallel beam; nothing is refracted. A row that makes no sense refuses the table.
 
 reference: Monte Carlo, all orders. The random numbers of a row depend on the seed and the row's place alone.
-moments:   the table of moments, without noise; seconds for each wavelength, within about a percent in clear air.")]
+moments:   the table of moments in f64, without noise; seconds for each wavelength, within about a percent in clear air.
+gpu:       the renderer's own tables and shaders on the adapter at hand, four wavelengths at a time; what a pixel shows.")]
 pub struct Args {
     /// Atmosphere: earth, bruneton2017, mars-reference … (`himmel info` lists them), or a .toml file.
     #[arg(long, value_name = "NAME", default_value = "earth")]
     preset: String,
-    /// What answers: reference or moments.
+    /// What answers: reference, moments or gpu.
     #[arg(long, value_name = "NAME", default_value = "reference", value_parser = solver_name)]
     solver: &'static str,
     /// Table of questions (CSV, or a JSON list of objects); - reads the standard input.
@@ -71,6 +73,9 @@ pub struct Args {
     /// Seed of the random numbers: the same one gives the same bytes. Reference only.
     #[arg(long, value_name = "N", default_value_t = 1)]
     seed: u64,
+    /// GPU adapter whose name contains this, such as llvmpipe. With --solver gpu.
+    #[arg(long, value_name = "NAME")]
+    adapter: Option<String>,
     /// A parameter of the air or the ground, such as air.aerosols=2 or ground.albedo=0.3; may be given several times.
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true)]
     set: Vec<String>,
@@ -80,22 +85,18 @@ pub struct Args {
 }
 
 fn solver_name(text: &str) -> Result<&'static str, String> {
-    match text {
-        "reference" => Ok("reference"),
-        "moments" => Ok("moments"),
-        "gpu" => {
-            Err("the GPU does not answer such questions yet; the solvers that exist are reference and moments".into())
-        }
-        _ => Err("the solvers are reference and moments".into()),
-    }
+    ["reference", "moments", "gpu"]
+        .into_iter()
+        .find(|name| *name == text)
+        .ok_or_else(|| "the solvers are reference, moments and gpu".into())
 }
 
 impl Args {
     fn solver(&self) -> Result<Solver, Failure> {
-        if self.solver == "moments" {
+        if self.solver != "reference" {
             if self.samples.is_some() || self.target_error.is_some() {
                 return Err(Failure::usage(
-                    "moments are not left to chance: --samples and --target-error go with --solver reference",
+                    "moments and gpu are not left to chance: --samples and --target-error go with --solver reference",
                 ));
             }
             return Ok(Solver::Moments(Quality::default()));
@@ -106,26 +107,57 @@ impl Args {
         Ok(Solver::Reference(effort))
     }
 
-    /// The medium with --set applied.
-    fn medium(&self) -> Result<Medium, Failure> {
+    /// The scene that --set makes.
+    fn scene(&self) -> Result<Scene, Failure> {
         let mut scene = Scene::default();
         for pair in &self.set {
             let (key, value) = key_and_value(pair)?;
             scene.set(key, value)?;
             let table = key.rsplit_once('.').map_or("", |(table, _)| table);
-            if !["air", "ground"].contains(&table) || key == "air.steps" || key.starts_with("air.wavelength_") {
+            let of_gpu = key == "air.steps" || key == "air.quality";
+            let unknown = !["air", "ground"].contains(&table) || key.starts_with("air.wavelength_");
+            if unknown || (of_gpu && self.solver != "gpu") {
                 return Err(Failure::usage(format!(
-                    "{key} does not change what these solvers compute; --set takes air.enabled, air.molecules, air.aerosols, air.absorbers, ground.enabled and ground.albedo here"
+                    "{key} does not change what this solver computes; --set takes air.enabled, air.molecules, air.aerosols, air.absorbers, ground.enabled and ground.albedo here, and with --solver gpu air.quality and air.steps"
                 )));
             }
         }
+        Ok(scene)
+    }
+
+    /// The medium with --set applied.
+    fn medium(&self) -> Result<Medium, Failure> {
+        let scene = self.scene()?;
         Ok(super::optics::preset(&self.preset)?.medium_with(&scene.air, &scene.ground))
+    }
+
+    /// Answers by the renderer.
+    fn on_gpu(&self, questions: &[Question], quiet: bool) -> Result<(Vec<Row>, String), Failure> {
+        let scene = self.scene()?;
+        let preset = super::optics::preset(&self.preset)?;
+        let gpu = Gpu::open(self.adapter.as_deref())?;
+        let progress = Progress::new("radiance", quiet);
+        let go_on = &mut |share| progress.update(share);
+        let seen = himmel::rays_on_gpu(&gpu, &preset, &scene.air, &scene.ground, questions, go_on)?;
+        let row = |seen: himmel::Seen| {
+            let answer = Answer {
+                radiance_per_sr: seen.radiance_per_sr,
+                standard_error_per_sr: None,
+                orders_per_sr: Vec::new(),
+                samples: 0,
+            };
+            (answer, self.transmittance.then_some(seen.transmittance))
+        };
+        Ok((seen.into_iter().map(row).collect(), gpu.report().to_string()))
     }
 }
 
 /// Runs it.
 pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     let solver = args.solver()?;
+    if args.adapter.is_some() && args.solver != "gpu" {
+        return Err(Failure::usage("--adapter goes with --solver gpu"));
+    }
     let to_file = args.output.as_deref().filter(|path| *path != Path::new("-"));
     match &args.input {
         Some(input) => {
@@ -137,12 +169,12 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         None if args.output.is_some() => {
             Err(Failure::usage("--output goes with --input; for one question, send the output where you want it"))
         }
-        None => one(args, &solver),
+        None => one(args, &solver, quiet),
     }
 }
 
 /// One question, for people.
-fn one(args: &Args, solver: &Solver) -> Result<(), Failure> {
+fn one(args: &Args, solver: &Solver, quiet: bool) -> Result<(), Failure> {
     let (Some(sun), Some(view)) = (args.sun_zenith, args.view_zenith) else {
         return Err(Failure::usage(
             "give a table with --input, or one question with --sun-zenith and --view-zenith (and --azimuth, --altitude, --wavelength)",
@@ -152,11 +184,22 @@ fn one(args: &Args, solver: &Solver) -> Result<(), Failure> {
         (args.altitude.unwrap_or(0.0), args.azimuth.unwrap_or(0.0), args.wavelength.unwrap_or(550.0));
     let question =
         Question::new([altitude, sun, view, azimuth, wavelength]).map_err(|e| Failure::usage(e.to_string()))?;
-    let air = OneWavelength::new(Arc::new(args.medium()?), question.wavelength_nm, solver)?;
-    let started = Instant::now();
-    let answer = air.answer(&question, 0)?;
+    let started;
+    let (mut air, mut adapter) = (None, None);
+    let (answer, transmittance) = if args.solver == "gpu" {
+        started = Instant::now();
+        let (rows, name) = args.on_gpu(&[question], quiet)?;
+        adapter = Some(name);
+        rows.into_iter().next().ok_or_else(|| Failure::failed("no answer"))?
+    } else {
+        let prepared = OneWavelength::new(Arc::new(args.medium()?), question.wavelength_nm, solver)?;
+        started = Instant::now();
+        let answer = prepared.answer(&question, 0)?;
+        let transmittance = if args.transmittance { Some(prepared.transmittance(&question)?) } else { None };
+        air = Some(prepared);
+        (answer, transmittance)
+    };
     let seconds = started.elapsed().as_secs_f64();
-    let transmittance = if args.transmittance { Some(air.transmittance(&question)?) } else { None };
     if args.json {
         let mut object = serde_json::json!({
             "preset": args.preset,
@@ -193,12 +236,16 @@ fn one(args: &Args, solver: &Solver) -> Result<(), Failure> {
     if answer.samples > 0 {
         out!("paths           {} in {seconds:.2} s, {:.0} a second", answer.samples, answer.samples as f64 / seconds);
     }
-    match air.moments() {
-        Some(moments) => {
-            out!("solver          moments, {} orders and their tail", moments.orders());
-            warn_of_slow_orders(&air);
-        }
-        None => out!("solver          reference, seed {}", args.seed),
+    match (&air, adapter) {
+        (_, Some(adapter)) => out!("solver          gpu, {adapter}"),
+        (Some(air), None) => match air.moments() {
+            Some(moments) => {
+                out!("solver          moments, {} orders and their tail", moments.orders());
+                warn_of_slow_orders(air);
+            }
+            None => out!("solver          reference, seed {}", args.seed),
+        },
+        (None, None) => {}
     }
     Ok(())
 }
@@ -325,6 +372,15 @@ fn table(args: &Args, solver: Solver, input: &Path, output: Option<&Path>, quiet
     let medium = args.medium()?;
     let Questions { header, rows, questions } = Questions::read(&read_table(input)?, &input.display().to_string())?;
     let count = questions.len();
+    if args.solver == "gpu" {
+        let (answers, adapter) = args.on_gpu(&questions, quiet)?;
+        let answers: Vec<Option<Row>> = answers.into_iter().map(Some).collect();
+        write_answers(args, &header, &rows, &answers, output)?;
+        if !quiet {
+            eprintln!("{count} rows in {:.2} s; gpu, {adapter}", started.elapsed().as_secs_f64());
+        }
+        return Ok(());
+    }
     let work = Arc::new(Work::new(medium, solver, questions, args.transmittance));
     let progress = Progress::new("radiance", quiet);
     // On a thread of its own, so that Ctrl-C need not wait for rows that take long: they end with the program.
@@ -353,11 +409,7 @@ fn table(args: &Args, solver: Solver, input: &Path, output: Option<&Path>, quiet
     if finished == 0 && count > 0 {
         return Err(Failure::failed("stopped before a row was finished; nothing is written"));
     }
-    let bytes = if args.json { as_json(&header, &rows, &answers)? } else { as_csv(args, &header, &rows, &answers)? };
-    match output {
-        Some(path) => himmel::picture::save_bytes(&bytes, path)?,
-        None => print_bytes(&bytes),
-    }
+    write_answers(args, &header, &rows, &answers, output)?;
     if !quiet {
         let seconds = started.elapsed().as_secs_f64();
         let worst = answers.iter().flatten().map(|row| row.0.relative_error()).fold(0.0, f64::max);
@@ -376,6 +428,21 @@ fn table(args: &Args, solver: Solver, input: &Path, output: Option<&Path>, quiet
     }
     if finished < count {
         return Err(Failure::failed(format!("stopped: {finished} of {count} rows are answered and written")));
+    }
+    Ok(())
+}
+
+fn write_answers(
+    args: &Args,
+    header: &[String],
+    rows: &[Vec<String>],
+    answers: &[Option<Row>],
+    output: Option<&Path>,
+) -> Result<(), Failure> {
+    let bytes = if args.json { as_json(header, rows, answers)? } else { as_csv(args, header, rows, answers)? };
+    match output {
+        Some(path) => himmel::picture::save_bytes(&bytes, path)?,
+        None => print_bytes(&bytes),
     }
     Ok(())
 }
