@@ -119,7 +119,9 @@ fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below
             let horizon = asin(horizon_cosine(airs[body].bottom_radius_m, altitude));
             let air = march_air(start, elevation_texel(asin(start.mu), horizon, below, rows), frame.steps, 1e30);
             radiance = max(air.radiance, vec4f(0.0));
-            through = air.through;
+            // From the table: more exact than the product of the march's cells.
+            through = transmittance_to_space(start.altitude_m, start.mu);
+            through = select(through, vec4f(1.0), start.misses);
         } else {
             radiance = sky_view_radiance(light, ray, mu, below);
             through = transmittance_to_space(view.altitude_m, mu);

@@ -45,5 +45,9 @@ fn answer_queries(@builtin(global_invocation_id) id: vec3u) {
     let air = march_air(ray, f32(id.x), frame.steps, 1e30);
     answers[2u * id.x] = air.radiance;
     // Towards space; nothing where the ground is in the way.
-    answers[2u * id.x + 1u] = select(air.through, vec4f(0.0), air.hits_ground);
+    var through = vec4f(1.0);
+    if !ray.misses {
+        through = select(transmittance_to_space(ray.altitude_m, ray.mu), vec4f(0.0), air.hits_ground);
+    }
+    answers[2u * id.x + 1u] = through;
 }
