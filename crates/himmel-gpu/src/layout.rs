@@ -52,4 +52,5 @@ pub const SHARED: &[Layout] = &[
 pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
     ("phenomena/air/build/resolve.wgsl", crate::phenomena::air::build::BuildUniform::LAYOUT),
     ("phenomena/air/query.wgsl", crate::phenomena::air::Query::LAYOUT),
+    ("comparison/hillaire_sky.wgsl", crate::comparison::HillaireUniform::LAYOUT),
 ];
