@@ -7,8 +7,9 @@
 
 use std::time::Instant;
 
-use himmel_gpu::comparison::{Hillaire, Rebuild, Stage, TimedFrame};
-use himmel_gpu::{AdapterReport, Exposure, FrameState, Gpu, GpuError, PassTimes, SkyRenderer, View};
+use himmel_air::AirQuality;
+use himmel_gpu::comparison::{Hillaire, Redo, Stage, TimedFrame};
+use himmel_gpu::{AdapterReport, AirSizes, Exposure, FrameState, Gpu, GpuError, PassTimes, SkyRenderer, View};
 
 use crate::error::Result;
 use crate::model::SkyModel;
@@ -22,8 +23,8 @@ const SWING_DEG: f64 = 0.5;
 const SWING_FRAMES: usize = 64;
 /// Edits of the medium: up and down in turn.
 const EDITS: usize = 6;
-/// Frames after which an edit that is still not complete never will be.
-const MOST_FRAMES_OF_AN_EDIT: u32 = 1000;
+/// Frames after which tables that are still not complete never will be.
+const MOST_FRAMES_OF_A_REBUILD: u32 = 1000;
 
 /// How much is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -59,6 +60,12 @@ pub struct Edit {
 pub struct Report {
     /// Where.
     pub adapter: AdapterReport,
+    /// How finely our air is computed.
+    pub quality: AirQuality,
+    /// Samples along a ray of ours.
+    pub samples_per_ray: u32,
+    /// Rays of our sky view; `None`: each pixel marches its own.
+    pub sky_view: Option<[u32; 2]>,
     /// A frame that clears the target and draws one colour.
     pub empty: Medians,
     /// Our sky.
@@ -86,6 +93,12 @@ impl Report {
         (self.sky.frame_ms - self.empty.frame_ms) / (other.frame_ms - self.empty.frame_ms)
     }
 
+    /// Samples along our rays, for each of so many pixels.
+    pub fn samples_per_pixel(&self, pixels: f64) -> f64 {
+        let rays = self.sky_view.map_or(1.0, |[across, up]| f64::from(across * up) / pixels);
+        f64::from(self.samples_per_ray) * rays
+    }
+
     /// The first frame after an edit in normal frames of ours.
     pub fn edit_ratio(&self) -> f64 {
         self.edit.first_frame_ms / self.sky.frame_ms
@@ -107,6 +120,7 @@ pub fn run(gpu: &Gpu, scene: &Scene, options: Options, progress: &mut dyn FnMut(
     let mut stage = Stage::new(gpu, scene.output.width_px, scene.output.height_px)?;
     let mut renderer = SkyRenderer::new(device, queue, &target, model.atmosphere())?;
     let mut hillaire = Hillaire::new(device, queue, &target, model.atmosphere())?;
+    complete(&mut stage, &mut renderer, &frames[0], &view)?;
 
     let rounds = options.warm_up + options.frames.max(1);
     let mut samples: [Vec<TimedFrame>; 4] = Default::default();
@@ -118,8 +132,8 @@ pub fn run(gpu: &Gpu, scene: &Scene, options: Options, progress: &mut dyn FnMut(
             let timed = match kind {
                 0 => stage.empty()?,
                 1 => stage.sky(&mut renderer, frame, &view)?,
-                2 => stage.hillaire(&mut hillaire, frame, &view, Rebuild::SkyOnly)?,
-                _ => stage.hillaire(&mut hillaire, frame, &view, Rebuild::Everything)?,
+                2 => stage.hillaire(&mut hillaire, frame, &view, Redo::SkyOnly)?,
+                _ => stage.hillaire(&mut hillaire, frame, &view, Redo::Everything)?,
             };
             if round >= options.warm_up {
                 samples[kind].push(timed);
@@ -132,14 +146,19 @@ pub fn run(gpu: &Gpu, scene: &Scene, options: Options, progress: &mut dyn FnMut(
     let [empty, sky, hillaire_moving, hillaire_everything] = samples.map(|samples| medians(&samples));
     let mut edits = Vec::new();
     for index in 0..EDITS {
-        edits.push(edit(gpu, &mut stage, &mut model, &mut renderer, &frames[index], &view)?);
+        edits.push(edit(&mut stage, &mut model, &mut renderer, &frames[index], &view)?);
         if !progress((rounds + index + 1) as f64 / (rounds + EDITS) as f64) {
             return Err(GpuError::Cancelled.into());
         }
     }
     let of = |field: fn(&Edit) -> f64| median(edits.iter().map(field).collect());
+    let (quality, steps) = (model.atmosphere().quality().unwrap_or(AirQuality::High), model.atmosphere().steps());
+    let sizes = AirSizes::of(quality);
     Ok(Report {
         adapter: gpu.report(),
+        quality,
+        samples_per_ray: steps.unwrap_or(sizes.steps),
+        sky_view: sizes.sky_view,
         empty,
         sky,
         hillaire: hillaire_moving,
@@ -172,7 +191,6 @@ fn moving_sun(model: &mut SkyModel) -> Result<Vec<FrameState>> {
 
 /// Changes the aerosols and draws until everything shows it.
 fn edit(
-    gpu: &Gpu,
     stage: &mut Stage,
     model: &mut SkyModel,
     renderer: &mut SkyRenderer,
@@ -185,26 +203,26 @@ fn edit(
     scene.air.aerosols = if amount > 1.0 { amount / 1.3 } else { 1.3 * amount.max(0.1) };
     let started = Instant::now();
     model.set_scene(&scene)?;
-    renderer.set_atmosphere(&gpu.queue, model.atmosphere());
+    renderer.set_atmosphere(model.atmosphere())?;
     stage.sky(renderer, frame, view)?;
     let first_frame_ms = started.elapsed().as_secs_f64() * 1e3;
-    let mut frames = 1;
-    while rebuild_progress(renderer).is_some() {
-        if frames == MOST_FRAMES_OF_AN_EDIT {
-            let message = format!("an edit of the air was not complete after {frames} frames");
+    let more = complete(stage, renderer, frame, view)?;
+    let complete_ms = started.elapsed().as_secs_f64() * 1e3;
+    Ok(Edit { first_frame_ms, complete_frames: f64::from(1 + more), complete_ms })
+}
+
+/// Draws until the tables hold all orders of scattering; how many frames that took.
+fn complete(stage: &mut Stage, renderer: &mut SkyRenderer, frame: &FrameState, view: &View) -> Result<u32> {
+    let mut frames = 0;
+    while renderer.rebuilding().is_some() {
+        if frames == MOST_FRAMES_OF_A_REBUILD {
+            let message = format!("the air's tables were not complete after {frames} frames");
             return Err(GpuError::Device(message).into());
         }
         stage.sky(renderer, frame, view)?;
         frames += 1;
     }
-    Ok(Edit { first_frame_ms, complete_frames: f64::from(frames), complete_ms: started.elapsed().as_secs_f64() * 1e3 })
-}
-
-/// How much of an edit's work the renderer has done, 0..1; `None`: nothing is left to do.
-///
-/// Today's renderer has everything at once. One that adds orders frame by frame answers here.
-fn rebuild_progress(_renderer: &SkyRenderer) -> Option<f32> {
-    None
+    Ok(frames)
 }
 
 fn medians(samples: &[TimedFrame]) -> Medians {

@@ -71,6 +71,10 @@ fn mib(bytes: u64) -> f64 {
     bytes as f64 / f64::from(1 << 20)
 }
 
+fn pixels(scene: &Scene) -> f64 {
+    f64::from(scene.output.width_px) * f64::from(scene.output.height_px)
+}
+
 fn as_json(report: &Report, args: &Args, scene: &Scene) -> serde_json::Value {
     let adapter = &report.adapter;
     let frames: serde_json::Map<_, _> =
@@ -89,7 +93,9 @@ fn as_json(report: &Report, args: &Args, scene: &Scene) -> serde_json::Value {
         "preset": scene.preset,
         "width_px": scene.output.width_px,
         "height_px": scene.output.height_px,
-        "samples_per_pixel": scene.air.steps,
+        "quality": report.quality.word(),
+        "samples_per_ray": report.samples_per_ray,
+        "samples_per_pixel": report.samples_per_pixel(pixels(scene)),
         "frames": args.frames,
         "warm_up_frames": args.warm_up,
         "frame_median_ms": frames,
@@ -113,12 +119,19 @@ fn as_json(report: &Report, args: &Args, scene: &Scene) -> serde_json::Value {
 fn print_table(report: &Report, args: &Args, scene: &Scene) {
     out!("adapter   {}", report.adapter);
     out!(
-        "frame     {}×{}, {}, {} samples per pixel; medians of {} frames",
+        "frame     {}×{}, {}; medians of {} frames of each kind",
         scene.output.width_px,
         scene.output.height_px,
         scene.preset,
-        scene.air.steps,
         args.frames
+    );
+    let rays =
+        report.sky_view.map_or("each pixel".into(), |[across, up]| format!("each of the {across}×{up} of a table"));
+    out!(
+        "quality   {}: {} samples on the ray of {rays}, {:.2} per pixel",
+        report.quality.word(),
+        report.samples_per_ray,
+        report.samples_per_pixel(pixels(scene))
     );
     out!("");
     out!("                                   ms   above empty");

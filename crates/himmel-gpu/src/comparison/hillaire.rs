@@ -20,7 +20,7 @@
 //! compares no tables, and is refused.
 
 use glam::{DMat3, DVec3};
-use himmel_air::{Atmosphere, sun};
+use himmel_air::{Atmosphere, geometry, sun};
 
 use super::medium::Arrays;
 use super::passes::{TablePass, picture_pipeline, table};
@@ -41,6 +41,8 @@ gpu_struct! {
         pub rec709_from_four_g: [f32; 4],
         /// Row B.
         pub rec709_from_four_b: [f32; 4],
+        /// Irradiance of the Sun relative to 1 au.
+        pub sun_irradiance: [f32; 4],
         /// Ground albedo at the four wavelengths.
         pub ground_albedo: [f32; 4],
         /// Limb-darkening coefficients at the four wavelengths.
@@ -63,10 +65,10 @@ gpu_struct! {
         pub sun_radius: f32,
         /// Cosine of the Sun's zenith angle without refraction.
         pub mu_s: f32,
-        /// Irradiance of the Sun relative to 1 au.
-        pub sun_irradiance: f32,
         /// Factor on luminance.
         pub exposure: f32,
+        /// Cosine of the zenith angle of the camera's horizon.
+        pub horizon: f32,
         /// Whether the disc is drawn.
         pub sun_disc_visible: u32,
         /// Index of the tone mapper.
@@ -89,7 +91,7 @@ const EVEN_DISC: [[f32; 4]; 6] = [[1.0; 4], [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 
 
 /// Which tables a frame makes anew.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rebuild {
+pub enum Redo {
     /// Those that depend on Sun and camera: sky view and aerial perspective. The others are made with the first frame.
     SkyOnly,
     /// All four, as engines do that ask nobody whether the medium changed.
@@ -225,9 +227,9 @@ impl Hillaire {
         encoder: &mut wgpu::CommandEncoder,
         frame: &FrameState,
         view: &View,
-        rebuild: Rebuild,
+        redo: Redo,
     ) -> Result<(), GpuError> {
-        self.prepare_timed(encoder, frame, view, rebuild, None)
+        self.prepare_timed(encoder, frame, view, redo, None)
     }
 
     pub(crate) fn prepare_timed(
@@ -235,12 +237,12 @@ impl Hillaire {
         encoder: &mut wgpu::CommandEncoder,
         frame: &FrameState,
         view: &View,
-        rebuild: Rebuild,
+        redo: Redo,
         mut stamps: Option<&mut Stamps>,
     ) -> Result<(), GpuError> {
         let uniform = self.uniform(frame, view)?;
         self.queue.write_buffer(&self.uniform_buffer, 0, bytemuck::bytes_of(&uniform));
-        let medium = self.first_frame || rebuild == Rebuild::Everything;
+        let medium = self.first_frame || redo == Redo::Everything;
         self.first_frame = false;
         let medium_passes = if medium { &self.medium_passes[..] } else { &[] };
         for pass in medium_passes.iter().chain(&self.sky_passes) {
@@ -279,6 +281,8 @@ impl Hillaire {
                 altitude_m * 1e-3
             )));
         }
+        // Half a metre: f32 cannot hold less above a planet, and eyes are higher.
+        let altitude_m = altitude_m.max(0.5);
         let up = centre.normalize_or(DVec3::Z);
         let sun = &frame.sun;
         // Where the Sun stands in the zenith any azimuth is its own.
@@ -293,12 +297,12 @@ impl Hillaire {
             ray_origin: narrow(sun_from_view * origin),
             ray_x: narrow(sun_from_view * x * width),
             ray_y: narrow(sun_from_view * y * height),
-            // Half a metre: f32 cannot hold less above a planet, and eyes are higher.
-            altitude_m: (altitude_m as f32).max(0.5),
+            altitude_m: altitude_m as f32,
+            horizon: geometry::horizon_cosine(radius_m, altitude_m) as f32,
             sun_disc: narrow(sun_from_enu * sun.disc_direction),
             sun_radius: sun.radius_rad as f32,
             mu_s: sun.direction.dot(up) as f32,
-            sun_irradiance: sun.irradiance as f32,
+            sun_irradiance: sun.irradiance.map(|value| value as f32),
             exposure: (exposure * frame.output.compensation_ev.exp2()) as f32,
             sun_disc_visible: u32::from(sun.disc),
             tonemap: frame.output.tonemap as u32,

@@ -8,6 +8,8 @@ struct HillaireUniform {
     rec709_from_four_r: vec4f,
     rec709_from_four_g: vec4f,
     rec709_from_four_b: vec4f,
+    // Irradiance of the Sun relative to 1 au.
+    sun_irradiance: vec4f,
     ground_albedo: vec4f,
     // Coefficients of the Sun's limb darkening: Σ c_k µ^k relative to the mean.
     limb_darkening: array<vec4f, 6>,
@@ -23,9 +25,9 @@ struct HillaireUniform {
     sun_radius: f32,
     // Cosine of the Sun's zenith angle without refraction: lights the air.
     mu_s: f32,
-    // Irradiance of the Sun relative to 1 au.
-    sun_irradiance: f32,
     exposure: f32,
+    // Cosine of the zenith angle of the camera's horizon.
+    horizon: f32,
     sun_disc_visible: u32,
     tonemap: u32,
     // 1: the target wants display-encoded values; 2: it encodes by itself (an sRGB format).

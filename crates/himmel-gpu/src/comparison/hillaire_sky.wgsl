@@ -54,7 +54,7 @@ fn sun_disc_radiance(ray: vec3f, pixel: f32) -> vec4f {
 fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     let ray = normalize(in.ray);
     let pixel = max(max(length(dpdx(ray)), length(dpdy(ray))), 1e-9);
-    let horizon = horizon_cosine(hillaire.bottom_radius_m, hillaire.altitude_m);
+    let horizon = hillaire.horizon;
     var four = textureSampleLevel(sky_view_table, linear_sampler, sky_view_uv(ray, horizon), 0.0) / TABLE_SCALE;
     let reach = max(hillaire.sun_radius, 0.75 * pixel) + pixel;
     if hillaire.sun_disc_visible != 0u && distance(ray, hillaire.sun_disc) < reach && ray.z >= horizon {

@@ -104,7 +104,7 @@ fn sky_view_pass(@builtin(global_invocation_id) id: vec3u) {
     }
     let radius = hillaire.bottom_radius_m;
     let altitude = hillaire.altitude_m;
-    let horizon = horizon_cosine(radius, altitude);
+    let horizon = hillaire.horizon;
     // Inverse of sky_view_uv in hillaire_sky.wgsl.
     let half_rows = u32(0.5 * SKY_VIEW_SIZE.y);
     let below = id.y >= half_rows;

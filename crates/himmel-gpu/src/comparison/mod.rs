@@ -10,7 +10,7 @@ mod medium;
 mod passes;
 mod stage;
 
-pub use hillaire::{Hillaire, HillaireUniform, Rebuild};
+pub use hillaire::{Hillaire, HillaireUniform, Redo};
 pub use stage::{Stage, TimedFrame};
 
 #[cfg(test)]

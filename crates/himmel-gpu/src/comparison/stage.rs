@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use super::hillaire::{Hillaire, Rebuild};
+use super::hillaire::{Hillaire, Redo};
 use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::phenomena::cleared;
@@ -109,11 +109,11 @@ impl Stage {
         hillaire: &mut Hillaire,
         frame: &FrameState,
         view: &View,
-        rebuild: Rebuild,
+        redo: Redo,
     ) -> Result<TimedFrame, GpuError> {
         self.timed(|recording| {
             let stamps = recording.stamps.as_deref_mut();
-            hillaire.prepare_timed(&mut recording.encoder, frame, view, rebuild, stamps)?;
+            hillaire.prepare_timed(&mut recording.encoder, frame, view, redo, stamps)?;
             hillaire.draw(&mut recording.pass("hillaire sky"));
             Ok(())
         })

@@ -7,7 +7,7 @@ use himmel_air::hillaire::{self, Settings};
 use himmel_air::single::Ray;
 use himmel_air::{AirParams, Atmosphere, Columns, GroundParams, Preset, geometry};
 
-use super::{Hillaire, Rebuild, Stage};
+use super::{Hillaire, Redo, Stage};
 use crate::gpu::Gpu;
 use crate::output::params::{Exposure, OutputParams};
 use crate::renderer::{FrameState, SunState};
@@ -34,13 +34,13 @@ fn frame(sun_elevation_rad: f64) -> FrameState {
             direction,
             disc_direction: direction,
             radius_rad: 0.0047,
-            irradiance: 1.0,
+            irradiance: [1.0; 4],
             disc: true,
             limb_darkening: true,
         },
+        other_suns: Vec::new(),
         altitude_m: ALTITUDE_M,
         output: OutputParams { exposure: Some(Exposure::Ev100(14.0)), ..OutputParams::default() },
-        steps: 32,
     }
 }
 
@@ -96,7 +96,7 @@ fn the_sky_view_is_that_of_the_twin() {
         let mut stage = Stage::new(&gpu, 16, 16).unwrap();
         for sun_elevation_deg in [60.0f64, 5.0, -2.0] {
             let sun_elevation_rad = sun_elevation_deg.to_radians();
-            stage.hillaire(&mut hillaire, &frame(sun_elevation_rad), &southward(1.0), Rebuild::SkyOnly).unwrap();
+            stage.hillaire(&mut hillaire, &frame(sun_elevation_rad), &southward(1.0), Redo::SkyOnly).unwrap();
             let texels: Vec<[u16; 4]> = read(&gpu, hillaire.sky_view());
             let mu_s = sun_elevation_rad.sin();
             let mut errors = Vec::new();
@@ -134,7 +134,7 @@ fn the_picture_is_a_sky() {
     let mut hillaire = Hillaire::new(&gpu.device, &gpu.queue, &Stage::target(), &atmosphere).unwrap();
     let mut stage = Stage::new(&gpu, width, height).unwrap();
     let view = southward(f64::from(width) / f64::from(height));
-    stage.hillaire(&mut hillaire, &frame(0.3), &view, Rebuild::Everything).unwrap();
+    stage.hillaire(&mut hillaire, &frame(0.3), &view, Redo::Everything).unwrap();
     let pixels: Vec<[u8; 4]> = read(&gpu, stage.texture());
     let at = |x: u32, y: u32| pixels[(y * width + x) as usize].map(i32::from);
     let (top, beside, sun) = (at(10, 2), at(96, 40), at(96, 59));
@@ -150,7 +150,7 @@ fn what_it_cannot_show_is_refused() {
     let mut hillaire = Hillaire::new(&gpu.device, &gpu.queue, &Stage::target(), &atmosphere("earth")).unwrap();
     let mut refuse = |frame: &FrameState, view: &View| {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        hillaire.prepare(&mut encoder, frame, view, Rebuild::SkyOnly).unwrap_err().to_string()
+        hillaire.prepare(&mut encoder, frame, view, Redo::SkyOnly).unwrap_err().to_string()
     };
     let high = FrameState { altitude_m: 4e5, ..frame(0.3) };
     assert!(refuse(&high, &southward(1.0)).contains("400 km"));
