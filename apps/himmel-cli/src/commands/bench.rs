@@ -158,7 +158,7 @@ fn print_table(report: &Report, args: &Args, scene: &Scene) {
         "edit      of the air: first frame after {:.1} ms, {:.1} normal frames; complete after {} in {:.1} ms",
         report.edit.first_frame_ms,
         report.edit_ratio(),
-        if report.edit.complete_frames == 1.0 {
+        if report.edit.complete_frames == 1 {
             "that one".into()
         } else {
             format!("{} frames", report.edit.complete_frames)
