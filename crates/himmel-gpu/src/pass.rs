@@ -12,6 +12,10 @@ pub(crate) enum Slot {
     Table,
     /// The same with layers.
     Layers,
+    /// Layers that a sampler filters.
+    Filtered,
+    /// A sampler that filters.
+    Sampler,
     /// Depth, read texel by texel.
     Depth,
     /// A storage buffer; `true`: that may be written.
@@ -44,6 +48,8 @@ fn entry(binding: u32, slot: Slot, visibility: wgpu::ShaderStages) -> wgpu::Bind
         Slot::Uniform(size, dynamic) => buffer(BufferBindingType::Uniform, dynamic, size),
         Slot::Table => texture(float, TextureViewDimension::D2),
         Slot::Layers => texture(float, TextureViewDimension::D2Array),
+        Slot::Filtered => texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2Array),
+        Slot::Sampler => BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         Slot::Volume => texture(float, TextureViewDimension::D3),
         Slot::Depth => texture(TextureSampleType::Depth, TextureViewDimension::D2),
         Slot::Buffer(write) => buffer(BufferBindingType::Storage { read_only: !write }, false, 0),
@@ -72,6 +78,7 @@ pub(crate) enum Bound<'a> {
     /// A slot of a buffer with dynamic offsets: its size.
     Part(&'a wgpu::Buffer, u64),
     View(&'a wgpu::TextureView),
+    Sampler(&'a wgpu::Sampler),
 }
 
 /// A bind group from bindings and what is bound.
@@ -92,6 +99,7 @@ pub(crate) fn bind(
                     size: wgpu::BufferSize::new(size),
                 }),
                 Bound::View(view) => wgpu::BindingResource::TextureView(view),
+                Bound::Sampler(sampler) => wgpu::BindingResource::Sampler(sampler),
             };
             wgpu::BindGroupEntry { binding, resource }
         })

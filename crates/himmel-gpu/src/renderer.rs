@@ -95,6 +95,7 @@ pub struct SkyRenderer {
     pace: Pace,
     frame_buffer: wgpu::Buffer,
     view_layout: wgpu::BindGroupLayout,
+    sampler: wgpu::Sampler,
     view_group: wgpu::BindGroup,
     view_buffer: wgpu::Buffer,
     view_stride: u64,
@@ -172,7 +173,7 @@ impl SkyRenderer {
             device,
             "sky view",
             wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
-            &[(0, view_slot()), (1, Slot::Layers), (2, Slot::Layers)],
+            &[(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)],
         );
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
@@ -185,13 +186,19 @@ impl SkyRenderer {
             layout: pipeline_layout,
             module,
             constants: air.constants(),
-            made: std::array::from_fn(|_| OnceLock::new()),
+            made: none_made(),
         };
         pipelines.make(air.sizes.sky_view.is_none());
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let view_stride = (size_of::<ViewUniform>() as u64).next_multiple_of(alignment);
         let view_buffer = uniform_buffer(device, "sky views", view_stride * FIRST_CAPACITY as u64);
-        let view_group = view_group(device, &view_layout, &view_buffer, &air);
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("linear"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..Default::default()
+        });
+        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler);
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
@@ -205,6 +212,7 @@ impl SkyRenderer {
             pace: Pace::Samples(if software { 5e5 } else { 1e7 }),
             frame_buffer,
             view_layout,
+            sampler,
             view_group,
             view_buffer,
             view_stride,
@@ -235,7 +243,7 @@ impl SkyRenderer {
             self.bind_views();
             if self.pipelines.constants != self.air.constants() {
                 self.pipelines.constants = self.air.constants();
-                self.pipelines.made = std::array::from_fn(|_| OnceLock::new());
+                self.pipelines.made = none_made();
             }
             self.pipelines.make(self.air.sizes.sky_view.is_none());
             self.apply = None;
@@ -261,7 +269,7 @@ impl SkyRenderer {
 
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
-        self.view_group = view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air);
+        self.view_group = view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler);
     }
 
     /// The target it draws to.
@@ -374,7 +382,7 @@ impl SkyRenderer {
             timestamp_writes: stamps.as_deref_mut().and_then(|stamps| stamps.next_compute("cells")),
         });
         for &(_, _, slot) in &stations {
-            self.air.stations.record_cells(&mut pass, (slot as u64 * self.view_stride) as u32);
+            self.air.stations.record_cells(&mut pass, &self.air.group, (slot as u64 * self.view_stride) as u32);
         }
         drop(pass);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -423,11 +431,13 @@ impl SkyRenderer {
             return;
         }
         let slot = view_index + 1;
+        let linear = matches!(self.views.get(view_index).map(|view| view.projection), Some(Projection::Matrix(_)));
         if self.marching.get(view_index).copied().unwrap_or(true) {
-            self.draw_slot(pass, Variant::Marching, slot);
+            self.draw_slot(pass, Variant::Marching, linear, slot);
         } else {
-            self.draw_slot(pass, Variant::Plain, slot);
-            self.draw_slot(pass, Variant::Special, slot);
+            for variant in Variant::TILED {
+                self.draw_slot(pass, variant, linear, slot);
+            }
         }
     }
 
@@ -480,13 +490,14 @@ impl SkyRenderer {
         &self.meter.exposure
     }
 
-    fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, slot: usize) {
-        pass.set_pipeline(self.pipelines.get(variant));
+    fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, linear: bool, slot: usize) {
+        pass.set_pipeline(self.pipelines.get(variant, linear));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
-        match variant.tiles() {
-            0 => pass.draw(0..3, 0..1),
-            _ => pass.draw(0..6, 0..TILES),
+        if variant.tiled() {
+            pass.draw(0..6, 0..TILES);
+        } else {
+            pass.draw(0..3, 0..1);
         }
     }
 
@@ -499,7 +510,8 @@ impl SkyRenderer {
         });
         let marching = self.marching.first().copied().unwrap_or(true);
         let variant = if marching { Variant::MeteringMarch } else { Variant::MeteringTable };
-        self.draw_slot(&mut pass, variant, 0);
+        let linear = matches!(self.views.first().map(|view| view.projection), Some(Projection::Matrix(_)));
+        self.draw_slot(&mut pass, variant, linear, 0);
         drop(pass);
         self.meter.reduce(encoder, stamps.and_then(|stamps| stamps.next("meter")));
     }
@@ -562,7 +574,8 @@ impl SkyRenderer {
             sky_view,
             tile: [2.0 * left + width - 1.0, 2.0 * bottom + height - 1.0, width, height],
             pixel: view.first_pixel.map(|pixel| pixel as f32),
-            padding: [0.0; 2],
+            horizon: himmel_air::geometry::horizon_cosine(radius_m, altitude_m).asin() as f32,
+            padding: 0.0,
             lights,
         };
         Ok((uniform, up, altitude_m))
@@ -583,14 +596,17 @@ fn view_group(
     layout: &wgpu::BindGroupLayout,
     buffer: &wgpu::Buffer,
     air: &Air,
+    sampler: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
-    bind(device, "sky view", layout, &[(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view))])
+    let bound =
+        [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
+    bind(device, "sky view", layout, &bound)
 }
 
 /// Tiles of a picture; the same in `sky.wgsl`.
-const TILES: u32 = 40 * 24;
+const TILES: u32 = 20 * 14;
 
 /// The forms of the sky's pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -599,8 +615,12 @@ enum Variant {
     Marching,
     /// From the sky-view table: tiles far from lights and horizon.
     Plain,
-    /// The other tiles.
-    Special,
+    /// Tiles at the horizon, far from lights.
+    Horizon,
+    /// Tiles near a light, off the horizon.
+    Aureole,
+    /// All other tiles.
+    Everything,
     /// The metering picture, marching.
     MeteringMarch,
     /// The metering picture from the table.
@@ -608,14 +628,12 @@ enum Variant {
 }
 
 impl Variant {
-    const COUNT: usize = 5;
+    const COUNT: usize = 7;
+    /// Those that draw a picture from the table together.
+    const TILED: [Self; 4] = [Self::Plain, Self::Horizon, Self::Aureole, Self::Everything];
 
-    fn tiles(self) -> u32 {
-        match self {
-            Self::Plain => 1,
-            Self::Special => 2,
-            _ => 0,
-        }
+    fn tiled(self) -> bool {
+        Self::TILED.contains(&self)
     }
 
     fn marching(self) -> bool {
@@ -624,6 +642,16 @@ impl Variant {
 
     fn metering(self) -> bool {
         matches!(self, Self::MeteringMarch | Self::MeteringTable)
+    }
+
+    /// What its pixels have: horizon, aureole, disc.
+    fn has(self) -> [bool; 3] {
+        match self {
+            Self::Plain => [false; 3],
+            Self::Horizon => [true, false, false],
+            Self::Aureole => [false, true, false],
+            _ => [true; 3],
+        }
     }
 }
 
@@ -635,24 +663,29 @@ struct Pipelines {
     module: wgpu::ShaderModule,
     /// Of the air in hand.
     constants: [(&'static str, f64); 2],
-    made: [OnceLock<wgpu::RenderPipeline>; Variant::COUNT],
+    /// For projections by a matrix, and for others.
+    made: [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 2],
+}
+
+fn none_made() -> [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 2] {
+    std::array::from_fn(|_| std::array::from_fn(|_| OnceLock::new()))
 }
 
 impl Pipelines {
-    /// Makes what the next frame needs.
+    /// Makes what the next frame of a matrix projection needs.
     fn make(&self, marching: bool) {
-        for variant in [Variant::Marching, Variant::Plain, Variant::Special] {
-            if (variant == Variant::Marching) == marching {
-                self.get(variant);
-            }
+        let variants: &[Variant] = if marching { &[Variant::Marching] } else { &Variant::TILED };
+        for variant in variants {
+            self.get(*variant, true);
         }
     }
 
-    fn get(&self, variant: Variant) -> &wgpu::RenderPipeline {
-        self.made[variant as usize].get_or_init(|| {
+    /// `linear`: whether the projection is a matrix.
+    fn get(&self, variant: Variant, linear: bool) -> &wgpu::RenderPipeline {
+        self.made[usize::from(!linear)][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
-            sky_pipeline(&self.device, &self.module, &self.layout, target, variant, self.constants)
+            sky_pipeline(&self.device, &self.module, &self.layout, target, variant, linear, self.constants)
         })
     }
 }
@@ -663,18 +696,31 @@ fn sky_pipeline(
     layout: &wgpu::PipelineLayout,
     target: &Target,
     variant: Variant,
+    linear: bool,
     [groups, aerosols]: [(&'static str, f64); 2],
 ) -> wgpu::RenderPipeline {
     let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
-    let far_depth = [("far_depth", if reversed { 0.0 } else { 1.0 }), ("tiles", f64::from(variant.tiles()))];
-    let constants = [
-        ("finished", f64::from(u8::from(target.output == Output::Display))),
-        ("metering", f64::from(u8::from(variant.metering()))),
-        ("marching", f64::from(u8::from(variant.marching()))),
-        ("tiles", f64::from(variant.tiles())),
-        groups,
-        aerosols,
+    let on = |yes: bool| f64::from(u8::from(yes));
+    let [horizon, aureole, disc] = variant.has();
+    let for_both = [
+        ("tiled", on(variant.tiled())),
+        ("with_horizon", on(horizon)),
+        ("with_aureole", on(aureole)),
+        ("with_disc", on(disc)),
+        ("linear", on(linear)),
     ];
+    let vertex_constants: Vec<_> =
+        for_both.into_iter().chain([("far_depth", if reversed { 0.0 } else { 1.0 })]).collect();
+    let constants: Vec<_> = for_both
+        .into_iter()
+        .chain([
+            ("finished", on(target.output == Output::Display)),
+            ("metering", on(variant.metering())),
+            ("marching", on(variant.marching())),
+            groups,
+            aerosols,
+        ])
+        .collect();
     let options = |constants| wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(if variant.metering() { "sky, metering" } else { "sky" }),
@@ -682,7 +728,7 @@ fn sky_pipeline(
         vertex: wgpu::VertexState {
             module,
             entry_point: Some("sky_vertex"),
-            compilation_options: options(&far_depth),
+            compilation_options: options(&vertex_constants),
             buffers: &[],
         },
         primitive: Default::default(),

@@ -14,12 +14,17 @@ override finished: u32 = 0u;
 override metering: bool = false;
 // Whether every pixel marches its own ray, or looks the sky up in the sky-view table.
 override marching: bool = true;
-// 0: one triangle over the whole picture. 1: only the tiles of it that are far from every light and from the horizon,
-// which need a look-up and nothing else. 2: the other tiles.
-override tiles: u32 = 0u;
+// Whether the picture is drawn in tiles, each by the pipeline that has what it needs and nothing else.
+override tiled: bool = false;
+// What this pipeline has: the horizon, the aureoles of lights, their discs.
+override with_horizon: bool = true;
+override with_aureole: bool = true;
+override with_disc: bool = true;
+// Whether the projection is linear (a matrix): every other costs more.
+override linear: bool = false;
 
 // Tiles of a picture along its sides.
-const TILES: vec2u = vec2u(40u, 24u);
+const TILES: vec2u = vec2u(20u, 14u);
 
 struct SkyVertex {
     @builtin(position) position: vec4f,
@@ -29,12 +34,13 @@ struct SkyVertex {
 @vertex
 fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> SkyVertex {
     var ndc = vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
-    if tiles != 0u {
+    if tiled {
         let tile = vec2u(instance % TILES.x, instance / TILES.x);
         // Two triangles: (0,0) (1,0) (0,1), (0,1) (1,0) (1,1).
         let corner = vec2u(u32(index == 1u || index == 4u || index == 5u), u32(index == 2u || index == 3u || index == 5u));
         ndc = vec2f(tile + corner) / vec2f(TILES) * 2.0 - 1.0;
-        if is_plain(tile) != (tiles == 1u) {
+        let needs = tile_needs(tile);
+        if any(needs != vec3<bool>(with_horizon, with_aureole, with_disc)) {
             // Nothing: all its corners are one point.
             ndc = vec2f(-1.0);
         }
@@ -42,31 +48,32 @@ fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instan
     return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc);
 }
 
-// Whether a tile lies far from every light and from the horizon.
-fn is_plain(tile: vec2u) -> bool {
+// What the pixels of a tile need: horizon, aureole, disc. Only these: none, one of the first two, all.
+fn tile_needs(tile: vec2u) -> vec3<bool> {
+    let everything = vec3<bool>(true, true, true);
     let middle = look_direction(tile_ndc(vec2f(tile) + 0.5));
     var reach = 0.0;
     for (var i = 0u; i < 4u; i++) {
         let corner = look_direction(tile_ndc(vec2f(tile + vec2u(i & 1u, i >> 1u))));
         if dot(corner, corner) < 0.5 {
-            return false;
+            return everything;
         }
         reach = max(reach, angle_between(middle, corner));
     }
     if dot(middle, middle) < 0.5 {
-        return false;
+        return everything;
     }
-    // A fifth more: fisheyes bend a tile's sides.
-    reach *= 1.2;
-    let horizon = asin(horizon_cosine(airs[body].bottom_radius_m, view.altitude_m));
-    var plain = abs(asin(clamp(dot(middle, view.up), -1.0, 1.0)) - horizon) > reach;
+    // A fifth more: fisheyes bend a tile's sides. A thousandth for the pixels that smooth an edge.
+    reach = 1.2 * reach + 1e-3;
+    let elevation = asin(clamp(dot(middle, view.up), -1.0, 1.0));
+    var needs = vec3<bool>(abs(elevation - view.horizon) <= reach, false, false);
     for (var light = 0u; light < frame.light_count; light++) {
-        let aureole = max(AUREOLE_TO, 2.0 * view.lights[light].radius + 0.05);
-        let near_air = angle_between(middle, view.lights[light].direction) < aureole + reach;
-        let near_disc = angle_between(middle, view.lights[light].disc_direction) < aureole + reach;
-        plain = plain && !near_air && !near_disc;
+        let near = angle_between(middle, view.lights[light].direction);
+        let near_disc = angle_between(middle, view.lights[light].disc_direction);
+        needs.y = needs.y || near < AUREOLE_TO + reach;
+        needs.z = needs.z || near_disc < 1.5 * view.lights[light].radius + 3.0 * reach;
     }
-    return plain;
+    return select(needs, everything, needs.z || (needs.x && needs.y));
 }
 
 // A place in tiles as ndc of the picture.
@@ -76,6 +83,9 @@ fn tile_ndc(place: vec2f) -> vec2f {
 
 // The look direction of a point of the picture in view space; zero outside the picture (fisheye).
 fn look_direction(ndc: vec2f) -> vec3f {
+    if linear {
+        return normalize(view.ray_origin + view.ray_x * ndc.x + view.ray_y * ndc.y);
+    }
     switch view.projection {
         case 1u: {
             // Fisheye: the angle from the axis grows evenly with the distance from the centre.
@@ -104,7 +114,7 @@ fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below
     var sum = vec4f(0.0);
     for (var light = 0u; light < frame.light_count; light++) {
         var disc = vec4f(0.0);
-        if !below {
+        if with_disc && !below {
             disc = sun_disc_radiance(light, ray, dx, dy);
         }
         var radiance = vec4f(0.0);
@@ -114,7 +124,7 @@ fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below
             let start = enter(
                 view.altitude_m, mu, sin_theta, view.lights[light].mu_s, clamp(dot(ray, sun), -1.0, 1.0),
                 angle_between(ray, sun));
-            let rows = i32(textureDimensions(cell_table).y);
+            let rows = cell_rows();
             let altitude = min(view.altitude_m, airs[body].top_altitude_m);
             let horizon = asin(horizon_cosine(airs[body].bottom_radius_m, altitude));
             let air = march_air(start, elevation_texel(asin(start.mu), horizon, below, rows), frame.steps, 1e30);
@@ -123,8 +133,14 @@ fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below
             through = transmittance_to_space(start.altitude_m, start.mu);
             through = select(through, vec4f(1.0), start.misses);
         } else {
-            radiance = sky_view_radiance(light, ray, mu, below);
-            through = transmittance_to_space(view.altitude_m, mu);
+            if with_aureole {
+                radiance = sky_view_radiance(light, ray, mu, below);
+            } else {
+                radiance = sky_view_far(light, ray, mu, below);
+            }
+            if with_disc {
+                through = transmittance_to_space(view.altitude_m, mu);
+            }
         }
         sum += view.lights[light].irradiance * (radiance + through * disc);
     }
@@ -144,16 +160,11 @@ fn rec709_of(four: vec4f) -> vec3f {
 // `dx`, `dy`: how the ray changes to the next pixel.
 fn sky_luminance(ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
     let mu = dot(ray, view.up);
-    if tiles == 1u {
-        let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
-        var four = vec4f(0.0);
-        for (var light = 0u; light < frame.light_count; light++) {
-            four += view.lights[light].irradiance * sky_view_far(light, ray, mu, mu < horizon);
-        }
-        return rec709_of(four);
+    let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
+    if !with_horizon {
+        return rec709_of(sky_radiance(ray, dx, dy, mu, length(cross(ray, view.up)), mu < horizon));
     }
     let pixel = 0.5 * (length(dx) + length(dy));
-    let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
     // Height above the horizon in pixels; cosines near it differ as angles do, times the sine.
     let sine = max(sqrt(1.0 - horizon * horizon), 1e-3);
     let above = (mu - horizon) / (sine * max(pixel, 1e-9));

@@ -51,6 +51,9 @@ pub struct Prepared {
     pub species: Vec<Species>,
     /// One for each scattering component with a peak.
     pub aerosols: Vec<Aerosol>,
+    /// Mean phase function of the aerosols by vertical column, over the same angles, sr⁻¹: the shape that tables divide
+    /// peaks by. Even (1/4π) without aerosols.
+    pub mean_phase_per_sr: Vec<[f64; 4]>,
     /// Depth of the peaks at each wavelength relative to the reference; the largest is 1. All 0 without aerosols.
     pub peak_ratio: [f64; 4],
     /// Of each species: scattering into peaks at the reference, m⁻¹ where the profile is 1.
@@ -108,13 +111,27 @@ impl Prepared {
                 corrections_per_sr: peaks.nodes(index),
             });
         }
+        let column = |aerosol: &Aerosol, k: usize| {
+            let column_m = species[aerosol.species].profile.column_m(0.0, medium.top_altitude_m);
+            column_m * aerosol.scattering_per_m[k]
+        };
+        let weights: Vec<[f64; 4]> =
+            aerosols.iter().map(|aerosol| std::array::from_fn(|k| column(aerosol, k).max(0.0))).collect();
+        let mean_at = |angle: usize| {
+            std::array::from_fn(|k| {
+                let sum: f64 = weights.iter().map(|weight| weight[k]).sum();
+                let phases = aerosols.iter().zip(&weights).map(|(a, weight)| weight[k] * a.phase_per_sr[angle][k]);
+                if sum > 0.0 { phases.sum::<f64>() / sum } else { 0.25 / PI }
+            })
+        };
+        let mean_phase_per_sr = (0..angles).map(mean_at).collect();
         let squares: f64 = peak_ratio.iter().map(|ratio| ratio * ratio).sum();
         let reference = |species: &Species| {
             let projected: f64 = species.peak_per_m.iter().zip(peak_ratio).map(|(peak, ratio)| peak * ratio).sum();
             if squares > 0.0 { projected / squares } else { 0.0 }
         };
         let peak_reference_per_m = species.iter().map(reference).collect();
-        Self { species, aerosols, peak_ratio, peak_reference_per_m, angles, depths }
+        Self { species, aerosols, mean_phase_per_sr, peak_ratio, peak_reference_per_m, angles, depths }
     }
 
     /// Depth of the reference at a node of the tables.

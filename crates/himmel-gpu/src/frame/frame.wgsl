@@ -68,7 +68,9 @@ struct ViewUniform {
     tile: vec4f,
     // First pixel of that part.
     pixel: vec2f,
-    padding: vec2f,
+    // Elevation of the horizon, rad.
+    horizon: f32,
+    padding: f32,
     lights: array<LightUniform, 4>,
 }
 

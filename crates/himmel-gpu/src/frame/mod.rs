@@ -86,8 +86,10 @@ gpu_struct! {
         pub tile: [f32; 4],
         /// First pixel of that part.
         pub pixel: [f32; 2],
+        /// Elevation of the horizon, rad.
+        pub horizon: f32,
         /// Fills up.
-        pub padding: [f32; 2],
+        pub padding: f32,
         /// The lights.
         pub lights: [LightUniform; MOST_LIGHTS],
     }

@@ -112,14 +112,21 @@ fn flattened(share: f32, dt: f32) -> f32 {
     return select(0.0, pow(share / max(dt, 1e-30), 0.25) * dt, share > 0.0 && dt > 0.0);
 }
 
-// One invocation a row.
+// One invocation a row; the last row holds the scales of the sky view, a column for each light.
 @compute @workgroup_size(8)
 fn fill_cells(@builtin(global_invocation_id) id: vec3u) {
-    let rows = textureDimensions(cells_out).y;
-    if id.x >= rows {
-        return;
-    }
+    let rows = textureDimensions(cells_out).y - 1u;
     let altitude = min(view.altitude_m, airs[body].top_altitude_m);
-    let mu = texel_mu(i32(id.x), i32(rows), altitude);
-    fill_row(id.x, view.station, altitude, mu, view.altitude_m > airs[body].top_altitude_m);
+    if id.x < rows {
+        let mu = texel_mu(i32(id.x), i32(rows), altitude);
+        fill_row(id.x, view.station, altitude, mu, view.altitude_m > airs[body].top_altitude_m);
+    }
+    if id.x < MOST_LIGHTS {
+        // What the ground would reflect: it falls with the sky's light, which keeps half floats in their range.
+        let light = ground_irradiance(view.lights[id.x].mu_s);
+        let largest = max(max(light.x, light.y), max(light.z, light.w));
+        // 1e-12: a sky that nobody sees.
+        let scale = exp2(round(-log2(max(largest, 1e-12))));
+        textureStore(cells_out, vec2u(id.x, rows), view.station, vec4f(scale, 0.0, 0.0, 0.0));
+    }
 }

@@ -115,9 +115,18 @@ fn texel_mu(y: i32, rows: i32, altitude_m: f32) -> f32 {
     return select(max(mu, horizon + 1e-6), min(mu, horizon - 1e-6), y < rows_below(rows));
 }
 
+// Rows of the cell table that are for rays; one more is for scales.
+fn cell_rows() -> i32 {
+    return i32(textureDimensions(cell_table).y) - 1;
+}
+
 // A column of the cell table, between two rows.
 fn cell_texel(x: i32, row: f32) -> vec2f {
-    let last = i32(textureDimensions(cell_table).y) - 1;
+    let last = cell_rows() - 1;
+    if group_cells > 1u {
+        // The nearest row: it only decides where cells lie.
+        return textureLoad(cell_table, vec2i(x, clamp(i32(row + 0.5), 0, last)), view.station, 0).xy;
+    }
     let base = clamp(i32(row), 0, max(last - 1, 0));
     let next = min(base + 1, last);
     return mix(
@@ -157,14 +166,14 @@ fn lit_share(place: f32, row: f32) -> f32 {
 // A correction of the forward peak, per unit of scattering, 1/sr. which: 0 for S, 1 for U.
 fn peak_correction(layer: u32, which: f32, theta_coordinate: f32, depth: f32) -> vec4f {
     let size = vec2f(textureDimensions(peak_table));
-    let depths = 0.5 * (size.y - 1.0);
+    let depths = 0.5 * (size.y - 2.0);
     let y = which * depths + sqrt(depth / (6.0 + depth)) * (depths - 1.0);
     return table_lookup(peak_table, layer, vec2f(theta_coordinate, y / (size.y - 1.0)));
 }
 
-// An aerosol's phase function, 1/sr.
-fn aerosol_phase(layer: u32, theta_coordinate: f32) -> vec4f {
-    let row = i32(textureDimensions(peak_table).y) - 1;
+// A row of the peak table that is counted from its end: 1 the mean phase function of the aerosols, 2 an aerosol's own, 1/sr.
+fn phase_row(layer: u32, from_end: i32, theta_coordinate: f32) -> vec4f {
+    let row = i32(textureDimensions(peak_table).y) - from_end;
     let last = i32(textureDimensions(peak_table).x) - 1;
     let p = clamp(theta_coordinate, 0.0, 1.0) * f32(last);
     let base = min(i32(p), last - 1);
@@ -173,6 +182,14 @@ fn aerosol_phase(layer: u32, theta_coordinate: f32) -> vec4f {
         textureLoad(peak_table, vec2i(base + 1, row), layer, 0),
         p - f32(base),
     );
+}
+
+fn aerosol_phase(layer: u32, theta_coordinate: f32) -> vec4f {
+    return phase_row(layer, 2, theta_coordinate);
+}
+
+fn mean_phase(theta_coordinate: f32) -> vec4f {
+    return phase_row(airs[body].aerosols[0].layer, 1, theta_coordinate);
 }
 
 // Coordinate of a scattering angle in the peak table.

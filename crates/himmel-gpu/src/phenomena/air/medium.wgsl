@@ -69,7 +69,8 @@ struct AirUniform {
 @group(0) @binding(3) var depth_table: texture_2d_array<f32>;
 // ln G and the ratios F_x, F_z, Q_xx, Q_zz, Q_xz to G; six layers a body.
 @group(0) @binding(4) var moment_table: texture_2d_array<f32>;
-// Corrections of S over depth, those of U, the phase function (one row); columns √(θ/π). Layer: aerosol.
+// Corrections of S over depth, those of U; one row of the phase function, one of the mean of all aerosols'. Columns
+// √(θ/π). Layer: aerosol.
 @group(0) @binding(5) var peak_table: texture_2d_array<f32>;
 // ln of the ground's irradiance by the sky over the moment table's columns; row: body.
 @group(0) @binding(7) var ground_table: texture_2d<f32>;

@@ -99,7 +99,7 @@ impl RayMeter {
         };
         let written = wgpu::TextureUsages::STORAGE_BINDING;
         let format = wgpu::TextureFormat::Rg32Float;
-        let cells = texture("query cells", [CELL_COLUMNS, BATCH as u32], format, written);
+        let cells = texture("query cells", [CELL_COLUMNS, BATCH as u32 + 1], format, written);
         let exposure = texture("query exposure", [1, 1], wgpu::TextureFormat::Rgba32Float, written);
         let exposure = exposure.create_view(&Default::default());
         let quality = atmosphere.quality().unwrap_or(AirQuality::Film);

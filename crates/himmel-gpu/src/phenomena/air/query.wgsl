@@ -25,7 +25,7 @@ fn query_ray(query: Query) -> AirRay {
 // Each query has a row of the cell table to itself.
 @compute @workgroup_size(64)
 fn place_queries(@builtin(global_invocation_id) id: vec3u) {
-    let rows = textureDimensions(cells_out).y;
+    let rows = textureDimensions(cells_out).y - 1u;
     if id.x >= min(rows, arrayLength(&queries)) {
         return;
     }

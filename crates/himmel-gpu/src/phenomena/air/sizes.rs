@@ -41,9 +41,9 @@ impl AirSizes {
             AirQuality::High => Self {
                 densities: 512,
                 depth: [128, 64],
-                sky_view: Some([64, 108]),
+                sky_view: Some([48, 108]),
                 cell_rows: 48,
-                steps: 32,
+                steps: 24,
                 froxels: Some(32),
                 ..film
             },
@@ -51,9 +51,9 @@ impl AirSizes {
                 moments: Quality { rows: 24, columns: 48, max_orders: 12, ..recipe },
                 densities: 512,
                 depth: [128, 64],
-                sky_view: Some([48, 81]),
+                sky_view: Some([40, 81]),
                 cell_rows: 36,
-                steps: 24,
+                steps: 20,
                 froxels: Some(32),
             },
             AirQuality::Low => Self {

@@ -1,15 +1,16 @@
 // How the sky view is laid out and looked up. Near a light the aerosols' forward peaks are too sharp for the table: there
-// it holds their weights, and the pixel evaluates the peak at its own angle.
+// it holds them relative to their mean phase function, which the pixel evaluates at its own angle.
 
 //#include "frame/frame.wgsl"
 //#include "phenomena/air/march.wgsl"
 
-// Layers of a light: radiance; depths of the peaks; weights of each aerosol (S, U).
+// Layers of a light: radiance; what of the peaks the pixel adds, over the mean phase function.
 @group(1) @binding(2) var sky_view_table: texture_2d_array<f32>;
+@group(1) @binding(3) var linear_sampler: sampler;
 
 // Angles to the light between which the peaks go over from the pixel to the table, rad.
-const AUREOLE_FROM: f32 = 0.30;
-const AUREOLE_TO: f32 = 0.50;
+const AUREOLE_FROM: f32 = 0.20;
+const AUREOLE_TO: f32 = 0.35;
 
 // Share of the peaks that the table itself holds.
 fn table_share(theta: f32) -> f32 {
@@ -17,49 +18,43 @@ fn table_share(theta: f32) -> f32 {
 }
 
 fn sky_view_layer(light: u32) -> u32 {
-    return (view.station * frame.light_count + light) * (2u + 2u * aerosols);
+    return (view.station * frame.light_count + light) * 2u;
 }
 
-// The aerosols' peaks from a ray's weights and mean depths, at an angle to the light.
-fn peaks_of(weights: array<vec4f, 8>, depths: vec2f, theta: f32, nu: f32) -> vec4f {
-    let coordinate = theta_coordinate_of(theta);
-    var sum = vec4f(0.0);
-    for (var a = 0u; a < aerosols; a++) {
-        let phase = aerosol_phase(airs[body].aerosols[a].layer, coordinate);
-        sum += weights[2u * a] * peak_scaled(a, phase, coordinate, nu, depths.x);
-        sum += weights[2u * a + 1u] * peak_unscaled(a, phase, coordinate, depths.y);
-    }
-    return sum;
+// Factor that the table's light is stored with.
+fn sky_view_scale(light: u32) -> f32 {
+    return textureLoad(cell_table, vec2i(i32(light), cell_rows()), view.station, 0).x;
 }
 
-// Where a ray lies in the table of a light. `below`: whether it meets the ground.
+// Where a ray lies in the table of a light: across sin(φ/2) of its azimuth from the light, half the circle; up and down by
+// elevation. `below`: whether it meets the ground.
 fn sky_view_uv(light: u32, ray: vec3f, mu: f32, below: bool) -> vec2f {
     let size = vec2f(textureDimensions(sky_view_table));
-    let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
-    let y = elevation_texel(asin(clamp(mu, -1.0, 1.0)), asin(horizon), below, i32(size.y));
-    let heading = view.lights[light].heading;
-    let side = cross(view.up, heading);
-    let azimuth = atan2(abs(dot(ray, side)), dot(ray, heading));
-    return vec2f(azimuth / PI, y / (size.y - 1.0));
+    let y = elevation_texel(asin(clamp(mu, -1.0, 1.0)), view.horizon, below, i32(size.y));
+    let level = ray - mu * view.up;
+    let cosine = dot(level, view.lights[light].heading) * inverseSqrt(max(dot(level, level), 1e-12));
+    let x = sqrt(clamp(0.5 - 0.5 * cosine, 0.0, 1.0)) * (size.x - 1.0);
+    return (vec2f(x, y) + 0.5) / size;
+}
+
+fn sky_view_sample(layer: u32, uv: vec2f) -> vec4f {
+    return textureSampleLevel(sky_view_table, linear_sampler, uv, layer, 0.0);
 }
 
 // Radiance along a ray at more than AUREOLE_TO from the light, per unit irradiance of the light, 1/sr.
 fn sky_view_far(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
-    return max(table_lookup(sky_view_table, sky_view_layer(light), sky_view_uv(light, ray, mu, below)), vec4f(0.0));
+    let stored = sky_view_sample(sky_view_layer(light), sky_view_uv(light, ray, mu, below));
+    return max(stored, vec4f(0.0)) / sky_view_scale(light);
 }
 
 // The same at any angle.
 fn sky_view_radiance(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
     let uv = sky_view_uv(light, ray, mu, below);
     let layer = sky_view_layer(light);
-    let radiance = table_lookup(sky_view_table, layer, uv);
-    let theta = angle_between(ray, view.lights[light].direction);
-    let share = 1.0 - table_share(theta);
-    let depths = table_lookup(sky_view_table, layer + 1u, uv).xy;
-    var weights: array<vec4f, 8>;
-    for (var a = 0u; a < 2u * aerosols; a++) {
-        weights[a] = share * table_lookup(sky_view_table, layer + 2u + a, uv);
+    var stored = sky_view_sample(layer, uv);
+    if aerosols > 0u {
+        let theta = angle_between(ray, view.lights[light].direction);
+        stored += sky_view_sample(layer + 1u, uv) * mean_phase(theta_coordinate_of(theta));
     }
-    let peaks = peaks_of(weights, depths, theta, dot(ray, view.lights[light].direction));
-    return max(radiance + peaks, vec4f(0.0));
+    return max(stored, vec4f(0.0)) / sky_view_scale(light);
 }

@@ -6,10 +6,12 @@ use crate::pass::{self, Bound, Slot, bind, compute, layers, layout};
 
 use super::sizes::AirSizes;
 use super::tables::{Tables, texture_bytes};
-use super::uniform::AirUniform;
 
 /// Columns of the cell table; the same in `cells.wgsl`.
 pub(crate) const CELL_COLUMNS: u32 = 65;
+
+/// Half floats, which every adapter filters; scaled by each light, see `cells.wgsl`.
+const SKY_VIEW_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 
 /// Tables for a number of stations, with their passes.
 pub(crate) struct Stations {
@@ -22,11 +24,9 @@ pub(crate) struct Stations {
     sky_view_layout: wgpu::BindGroupLayout,
     station_layout: wgpu::BindGroupLayout,
     marching_layout: wgpu::BindGroupLayout,
-    medium_group: wgpu::BindGroup,
     /// For each number of stations and buffer of views.
     groups: Option<Groups>,
     rows: u32,
-    aerosols: u32,
     capacity: u32,
 }
 
@@ -50,21 +50,19 @@ impl Stations {
         air_layout: &wgpu::BindGroupLayout,
     ) -> Result<Self, GpuError> {
         let only = wgpu::ShaderStages::COMPUTE;
-        let airs = Slot::Uniform((super::uniform::MOST_BODIES * size_of::<AirUniform>()) as u64, false);
-        let medium_layout = layout(device, "medium", only, &[(1, airs), (2, Slot::Layers)]);
         let station_layout = layout(device, "station", only, &[(0, view_slot())]);
         let marching_layout = layout(device, "station, marching", only, &[(0, view_slot()), (1, Slot::Layers)]);
         let cells_layout =
             layout(device, "cells", only, &[(0, Slot::WriteLayers(wgpu::TextureFormat::Rg32Float))]);
         let sky_view_layout =
-            layout(device, "sky view", only, &[(0, Slot::WriteLayers(wgpu::TextureFormat::Rgba32Float))]);
+            layout(device, "sky view", only, &[(0, Slot::WriteLayers(SKY_VIEW_FORMAT))]);
         let constants = tables.constants();
         let cells_pipeline = compute(
             device,
             &pass::module(device, "phenomena/air/cells.wgsl")?,
             "fill_cells",
             &constants,
-            &[&medium_layout, &station_layout, &cells_layout],
+            &[air_layout, &station_layout, &cells_layout],
         );
         let sky_view_pipeline = compute(
             device,
@@ -73,11 +71,7 @@ impl Stations {
             &[constants[0], constants[1], ("split_peaks", 1.0), ("group_cells", 4.0)],
             &[air_layout, &marching_layout, &sky_view_layout],
         );
-        let density = layers(&tables.density);
-        let bound = [(1, Bound::Buffer(&tables.uniforms)), (2, Bound::View(&density))];
-        let medium_group = bind(device, "medium", &medium_layout, &bound);
-        let aerosols = constants[1].1 as u32;
-        let (cells, sky_view) = textures(device, sizes, 1, 1, aerosols);
+        let (cells, sky_view) = textures(device, sizes, 1, 1);
         Ok(Self {
             cells,
             sky_view,
@@ -88,10 +82,8 @@ impl Stations {
             sky_view_layout,
             station_layout,
             marching_layout,
-            medium_group,
             groups: None,
             rows: sizes.cell_rows,
-            aerosols,
             capacity: 1,
         })
     }
@@ -113,7 +105,7 @@ impl Stations {
             return false;
         }
         self.capacity = wanted.next_power_of_two();
-        (self.cells, self.sky_view) = textures(device, sizes, stations.next_power_of_two(), self.capacity, self.aerosols);
+        (self.cells, self.sky_view) = textures(device, sizes, stations.next_power_of_two(), self.capacity);
         self.groups = None;
         true
     }
@@ -131,13 +123,13 @@ impl Stations {
     }
 
     /// Places the cells of a station, whose uniform lies at an offset.
-    pub(crate) fn record_cells(&self, pass: &mut wgpu::ComputePass<'_>, offset: u32) {
+    pub(crate) fn record_cells(&self, pass: &mut wgpu::ComputePass<'_>, air_group: &wgpu::BindGroup, offset: u32) {
         let Some(groups) = &self.groups else { return };
         pass.set_pipeline(&self.cells_pipeline);
-        pass.set_bind_group(0, &self.medium_group, &[]);
+        pass.set_bind_group(0, air_group, &[]);
         pass.set_bind_group(1, &groups.station, &[offset]);
         pass.set_bind_group(2, &groups.cells, &[]);
-        pass.dispatch_workgroups(self.rows.div_ceil(8), 1, 1);
+        pass.dispatch_workgroups(self.rows.div_ceil(8).max(1), 1, 1);
     }
 
     /// Fills the sky view of a station.
@@ -162,7 +154,6 @@ fn textures(
     sizes: &AirSizes,
     stations: u32,
     lights: u32,
-    aerosols: u32,
 ) -> (wgpu::Texture, wgpu::Texture) {
     let texture = |label, [width, height]: [u32; 2], layers, format| {
         device.create_texture(&wgpu::TextureDescriptor {
@@ -176,9 +167,9 @@ fn textures(
             view_formats: &[],
         })
     };
-    let layers = lights * (2 + 2 * aerosols);
+    let layers = 2 * lights;
     (
-        texture("cells", [CELL_COLUMNS, sizes.cell_rows], stations, wgpu::TextureFormat::Rg32Float),
-        texture("sky view", sizes.sky_view.unwrap_or([2, 4]), layers, wgpu::TextureFormat::Rgba32Float),
+        texture("cells", [CELL_COLUMNS, sizes.cell_rows + 1], stations, wgpu::TextureFormat::Rg32Float),
+        texture("sky view", sizes.sky_view.unwrap_or([2, 6]), layers, SKY_VIEW_FORMAT),
     )
 }

@@ -38,7 +38,7 @@ impl Tables {
         };
         let quality = &sizes.moments;
         let (rows, columns) = (quality.rows as u32, quality.columns as u32);
-        let peaks = [quality.peak_angles as u32, 2 * quality.peak_depths as u32 + 1];
+        let peaks = [quality.peak_angles as u32, 2 * quality.peak_depths as u32 + 2];
         let (uploaded, computed) = (wgpu::TextureUsages::COPY_DST, wgpu::TextureUsages::STORAGE_BINDING);
         let both = uploaded | computed;
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
@@ -84,13 +84,15 @@ impl Tables {
         write(queue, &self.density, body, &density);
         let (angles, depths) = (prepared.angles, prepared.depths);
         for (index, aerosol) in prepared.aerosols.iter().enumerate() {
-            let mut texels = Vec::with_capacity(angles * (2 * depths + 1));
+            let mut texels = Vec::with_capacity(angles * (2 * depths + 2));
             for form in &aerosol.corrections_per_sr {
                 for depth in 0..depths {
                     texels.extend((0..angles).map(|angle| form[angle * depths + depth].map(|value| value as f32)));
                 }
             }
-            texels.extend(aerosol.phase_per_sr.iter().map(|phase| phase.map(|value| value as f32)));
+            for row in [&aerosol.phase_per_sr, &prepared.mean_phase_per_sr] {
+                texels.extend(row.iter().map(|phase| phase.map(|value| value as f32)));
+            }
             write(queue, &self.peaks, first_layer + index, &texels);
         }
         Ok(())
