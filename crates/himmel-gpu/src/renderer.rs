@@ -103,8 +103,9 @@ pub struct SkyRenderer {
     prepared: usize,
     /// Made when air is first applied to a host's picture.
     apply: Option<Apply>,
-    /// The prepared views.
+    /// The prepared views, and the number of lights.
     views: Vec<View>,
+    lights: u32,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     uploads: Uploads,
@@ -220,6 +221,7 @@ impl SkyRenderer {
             prepared: 0,
             apply: None,
             views: Vec::new(),
+            lights: 1,
             marching: Vec::new(),
             uploads: Uploads {
                 // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
@@ -394,6 +396,7 @@ impl SkyRenderer {
             self.air.stations.record_sky_view(&mut pass, &self.air.group, offset, lights);
         }
         drop(pass);
+        self.lights = lights;
         self.views.clear();
         self.views.extend_from_slice(views);
         self.marching.clear();
@@ -431,12 +434,12 @@ impl SkyRenderer {
             return;
         }
         let slot = view_index + 1;
-        let linear = matches!(self.views.get(view_index).map(|view| view.projection), Some(Projection::Matrix(_)));
+        let kind = self.kind(view_index);
         if self.marching.get(view_index).copied().unwrap_or(true) {
-            self.draw_slot(pass, Variant::Marching, linear, slot);
+            self.draw_slot(pass, Variant::Marching, kind, slot);
         } else {
             for variant in Variant::TILED {
-                self.draw_slot(pass, variant, linear, slot);
+                self.draw_slot(pass, variant, kind, slot);
             }
         }
     }
@@ -490,8 +493,13 @@ impl SkyRenderer {
         &self.meter.exposure
     }
 
-    fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, linear: bool, slot: usize) {
-        pass.set_pipeline(self.pipelines.get(variant, linear));
+    fn kind(&self, view_index: usize) -> Kind {
+        let projection = self.views.get(view_index).map(|view| view.projection);
+        Kind { linear: matches!(projection, Some(Projection::Matrix(_))), several_lights: self.lights > 1 }
+    }
+
+    fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, kind: Kind, slot: usize) {
+        pass.set_pipeline(self.pipelines.get(variant, kind));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
         if variant.tiled() {
@@ -510,8 +518,7 @@ impl SkyRenderer {
         });
         let marching = self.marching.first().copied().unwrap_or(true);
         let variant = if marching { Variant::MeteringMarch } else { Variant::MeteringTable };
-        let linear = matches!(self.views.first().map(|view| view.projection), Some(Projection::Matrix(_)));
-        self.draw_slot(&mut pass, variant, linear, 0);
+        self.draw_slot(&mut pass, variant, self.kind(0), 0);
         drop(pass);
         self.meter.reduce(encoder, stamps.and_then(|stamps| stamps.next("meter")));
     }
@@ -619,7 +626,9 @@ enum Variant {
     Horizon,
     /// Tiles near a light, off the horizon.
     Aureole,
-    /// All other tiles.
+    /// Tiles near a light and at the horizon.
+    Both,
+    /// Tiles with a disc.
     Everything,
     /// The metering picture, marching.
     MeteringMarch,
@@ -628,9 +637,9 @@ enum Variant {
 }
 
 impl Variant {
-    const COUNT: usize = 7;
+    const COUNT: usize = 8;
     /// Those that draw a picture from the table together.
-    const TILED: [Self; 4] = [Self::Plain, Self::Horizon, Self::Aureole, Self::Everything];
+    const TILED: [Self; 5] = [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Everything];
 
     fn tiled(self) -> bool {
         Self::TILED.contains(&self)
@@ -650,6 +659,7 @@ impl Variant {
             Self::Plain => [false; 3],
             Self::Horizon => [true, false, false],
             Self::Aureole => [false, true, false],
+            Self::Both => [true, true, false],
             _ => [true; 3],
         }
     }
@@ -663,11 +673,22 @@ struct Pipelines {
     module: wgpu::ShaderModule,
     /// Of the air in hand.
     constants: [(&'static str, f64); 2],
-    /// For projections by a matrix, and for others.
-    made: [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 2],
+    made: Made,
 }
 
-fn none_made() -> [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 2] {
+/// Pipelines by [`Kind`] and variant.
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 4];
+
+/// What else pipelines differ in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Kind {
+    /// Whether the projection is a matrix.
+    linear: bool,
+    /// Whether there is more than one light.
+    several_lights: bool,
+}
+
+fn none_made() -> Made {
     std::array::from_fn(|_| std::array::from_fn(|_| OnceLock::new()))
 }
 
@@ -676,16 +697,15 @@ impl Pipelines {
     fn make(&self, marching: bool) {
         let variants: &[Variant] = if marching { &[Variant::Marching] } else { &Variant::TILED };
         for variant in variants {
-            self.get(*variant, true);
+            self.get(*variant, Kind { linear: true, several_lights: false });
         }
     }
 
-    /// `linear`: whether the projection is a matrix.
-    fn get(&self, variant: Variant, linear: bool) -> &wgpu::RenderPipeline {
-        self.made[usize::from(!linear)][variant as usize].get_or_init(|| {
+    fn get(&self, variant: Variant, kind: Kind) -> &wgpu::RenderPipeline {
+        self.made[usize::from(kind.linear) + 2 * usize::from(kind.several_lights)][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
-            sky_pipeline(&self.device, &self.module, &self.layout, target, variant, linear, self.constants)
+            sky_pipeline(&self.device, &self.module, &self.layout, target, variant, kind, self.constants)
         })
     }
 }
@@ -696,7 +716,7 @@ fn sky_pipeline(
     layout: &wgpu::PipelineLayout,
     target: &Target,
     variant: Variant,
-    linear: bool,
+    kind: Kind,
     [groups, aerosols]: [(&'static str, f64); 2],
 ) -> wgpu::RenderPipeline {
     let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
@@ -707,7 +727,7 @@ fn sky_pipeline(
         ("with_horizon", on(horizon)),
         ("with_aureole", on(aureole)),
         ("with_disc", on(disc)),
-        ("linear", on(linear)),
+        ("linear", on(kind.linear)),
     ];
     let vertex_constants: Vec<_> =
         for_both.into_iter().chain([("far_depth", if reversed { 0.0 } else { 1.0 })]).collect();
@@ -717,6 +737,7 @@ fn sky_pipeline(
             ("finished", on(target.output == Output::Display)),
             ("metering", on(variant.metering())),
             ("marching", on(variant.marching())),
+            ("several_lights", on(kind.several_lights)),
             groups,
             aerosols,
         ])

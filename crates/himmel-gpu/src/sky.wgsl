@@ -23,6 +23,9 @@ override with_disc: bool = true;
 // Whether the projection is linear (a matrix): every other costs more.
 override linear: bool = false;
 
+// Whether there may be more than one light. One alone is read in place: rasterisers on CPUs gather what a loop indexes.
+override several_lights: bool = false;
+
 // Tiles of a picture along its sides.
 const TILES: vec2u = vec2u(20u, 14u);
 
@@ -48,7 +51,7 @@ fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instan
     return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc);
 }
 
-// What the pixels of a tile need: horizon, aureole, disc. Only these: none, one of the first two, all.
+// What the pixels of a tile need: horizon, aureole, disc; where a disc is, all of them.
 fn tile_needs(tile: vec2u) -> vec3<bool> {
     let everything = vec3<bool>(true, true, true);
     let middle = look_direction(tile_ndc(vec2f(tile) + 0.5));
@@ -73,7 +76,7 @@ fn tile_needs(tile: vec2u) -> vec3<bool> {
         needs.y = needs.y || near < AUREOLE_TO + reach;
         needs.z = needs.z || near_disc < 1.5 * view.lights[light].radius + 3.0 * reach;
     }
-    return select(needs, everything, needs.z || (needs.x && needs.y));
+    return select(needs, everything, needs.z);
 }
 
 // A place in tiles as ndc of the picture.
@@ -111,40 +114,46 @@ fn look_direction(ndc: vec2f) -> vec3f {
 
 // Radiance along a ray with zenith cosine mu, all lights. `below`: whether it meets the ground.
 fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
-    var sum = vec4f(0.0);
-    for (var light = 0u; light < frame.light_count; light++) {
-        var disc = vec4f(0.0);
-        if with_disc && !below {
-            disc = sun_disc_radiance(light, ray, dx, dy);
+    var sum = light_radiance(0u, ray, dx, dy, mu, sin_theta, below);
+    if several_lights {
+        for (var light = 1u; light < frame.light_count; light++) {
+            sum += light_radiance(light, ray, dx, dy, mu, sin_theta, below);
         }
-        var radiance = vec4f(0.0);
-        var through = vec4f(1.0);
-        if marching {
-            let sun = view.lights[light].direction;
-            let start = enter(
-                view.altitude_m, mu, sin_theta, view.lights[light].mu_s, clamp(dot(ray, sun), -1.0, 1.0),
-                angle_between(ray, sun));
-            let rows = cell_rows();
-            let altitude = min(view.altitude_m, airs[body].top_altitude_m);
-            let horizon = asin(horizon_cosine(airs[body].bottom_radius_m, altitude));
-            let air = march_air(start, elevation_texel(asin(start.mu), horizon, below, rows), frame.steps, 1e30);
-            radiance = max(air.radiance, vec4f(0.0));
-            // From the table: more exact than the product of the march's cells.
-            through = transmittance_to_space(start.altitude_m, start.mu);
-            through = select(through, vec4f(1.0), start.misses);
-        } else {
-            if with_aureole {
-                radiance = sky_view_radiance(light, ray, mu, below);
-            } else {
-                radiance = sky_view_far(light, ray, mu, below);
-            }
-            if with_disc {
-                through = transmittance_to_space(view.altitude_m, mu);
-            }
-        }
-        sum += view.lights[light].irradiance * (radiance + through * disc);
     }
     return sum;
+}
+
+// The same of one light.
+fn light_radiance(light: u32, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
+    var disc = vec4f(0.0);
+    if with_disc && !below {
+        disc = sun_disc_radiance(light, ray, dx, dy);
+    }
+    var radiance = vec4f(0.0);
+    var through = vec4f(1.0);
+    if marching {
+        let sun = view.lights[light].direction;
+        let start = enter(
+            view.altitude_m, mu, sin_theta, view.lights[light].mu_s, clamp(dot(ray, sun), -1.0, 1.0),
+            angle_between(ray, sun));
+        let altitude = min(view.altitude_m, airs[body].top_altitude_m);
+        let horizon = asin(horizon_cosine(airs[body].bottom_radius_m, altitude));
+        let row = elevation_texel(asin(start.mu), horizon, below, cell_rows());
+        radiance = max(march_air(start, row, frame.steps, 1e30).radiance, vec4f(0.0));
+        // From the table: more exact than the product of the march's cells.
+        through = transmittance_to_space(start.altitude_m, start.mu);
+        through = select(through, vec4f(1.0), start.misses);
+    } else {
+        if with_aureole {
+            radiance = sky_view_radiance(light, ray, mu, below);
+        } else {
+            radiance = sky_view_far(light, ray, mu, below);
+        }
+        if with_disc {
+            through = transmittance_to_space(view.altitude_m, mu);
+        }
+    }
+    return view.lights[light].irradiance * (radiance + through * disc);
 }
 
 // Linear Rec. 709 in cd/m² from radiance per unit irradiance.

@@ -93,7 +93,7 @@ fn elevation_texel(elevation: f32, horizon: f32, below: bool, rows: i32) -> f32 
     let lower = f32(rows_below(rows));
     let upper = f32(rows) - lower;
     let span = select(0.5 * PI - horizon, 0.5 * PI + horizon, below);
-    let x = pow(clamp(abs(elevation - horizon) / max(span, 1e-6), 0.0, 1.0), 1.0 / 3.0);
+    let x = sqrt(clamp(abs(elevation - horizon) / max(span, 1e-6), 0.0, 1.0));
     return select(lower + x * (upper - 1.0), (1.0 - x) * (lower - 1.0), below);
 }
 
@@ -102,10 +102,10 @@ fn elevation_of_texel(y: i32, rows: i32, horizon: f32) -> f32 {
     let lower = rows_below(rows);
     if y < lower {
         let x = 1.0 - f32(y) / f32(lower - 1);
-        return horizon - x * x * x * (0.5 * PI + horizon);
+        return horizon - x * x * (0.5 * PI + horizon);
     }
     let x = f32(y - lower) / f32(rows - lower - 1);
-    return horizon + x * x * x * (0.5 * PI - horizon);
+    return horizon + x * x * (0.5 * PI - horizon);
 }
 
 // Zenith cosine of a texel: at the horizon itself a little to its side, so that f32 can tell the two apart.
