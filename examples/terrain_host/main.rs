@@ -4,7 +4,7 @@
 //!
 //! `cargo run --release -p himmel --example terrain_host`                                Bernese Alps from the Niesen
 //! `cargo run --release -p himmel --example terrain_host -- --altitude 200e3`            Europe from 200 km
-//! `cargo run --release -p himmel --example terrain_host -- --planet mars --altitude 200e3`   the volcanoes of Tharsis
+//! `cargo run --release -p himmel --example terrain_host -- --planet mars --altitude 200e3`   Olympus Mons from 200 km
 //!
 //! The host owns device, textures, meshes, shaders, shadow map and tone mapping. The four places where it meets Himmel are
 //! numbered. `relief.rs` reads the height maps, `mesh.rs` bends them around the planet, `options.rs` is the command line,
@@ -35,6 +35,8 @@ const HDR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 const DISPLAY: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const SHADOW_PIXELS: u32 = 2048;
+/// How far relief stands above or below the foot of the camera, as far as the Sun's camera cares.
+const MOUNTAINS_M: f64 = 6e3;
 /// Entries of the table of light, and where it begins: the root of −12.96° / 90°, late in civil twilight.
 const LIGHTS: usize = 32;
 const LIGHT_LOW: f64 = -0.38;
@@ -62,8 +64,8 @@ impl Camera {
     fn new(options: &Options, at: &Standpoint) -> Self {
         let fov_rad = options.fov_deg.to_radians();
         let aspect = f64::from(options.size.0) / f64::from(options.size.1);
-        // The horizon lies an eighth of the picture above its middle.
-        let altitude_rad = options.altitude_deg.map_or(-at.dip_rad() - fov_rad / 8.0, f64::to_radians);
+        // The horizon lies a tenth of the picture above its middle.
+        let altitude_rad = options.altitude_deg.map_or(-at.dip_rad() - fov_rad / 10.0, f64::to_radians);
         let above_m = options.above_ground_m;
         let far_m = 3.0 * at.radius_m * at.dip_rad() + 2e6;
         let near_m = (above_m / 8.0).max(1.0);
@@ -108,7 +110,9 @@ impl SunCamera {
         let back_m = 2.0 * half_m;
         let up = if towards_sun.z.abs() > 0.99 { DVec3::Y } else { DVec3::Z };
         let view_from_enu = DMat4::look_to_rh(middle + back_m * towards_sun, -towards_sun, up);
-        let clip_from_view = DMat4::orthographic_rh(-half_m, half_m, -half_m, half_m, 0.0, 2.0 * back_m);
+        // A low Sun sees the square flat, with mountains that stand up from it.
+        let flat_m = (half_m * towards_sun.z.abs() + MOUNTAINS_M).min(half_m);
+        let clip_from_view = DMat4::orthographic_rh(-half_m, half_m, -flat_m, flat_m, 0.0, 2.0 * back_m);
         Self { clip_from_enu: clip_from_view * view_from_enu, texel_m: 2.0 * half_m / f64::from(SHADOW_PIXELS) }
     }
 }
@@ -135,7 +139,10 @@ fn lights_on_ground(scene: &Scene, ground_m: f64) -> Result<Vec<Light>> {
 
 /// 4. After the pass: what the air takes from the ground's light and adds to it. Where nothing was drawn but the sky, it
 /// leaves the picture alone.
-fn put_air_in_front<'a>(_frame: &mut wgpu::CommandEncoder, colour: &'a wgpu::TextureView) -> Result<&'a wgpu::TextureView> {
+fn put_air_in_front<'a>(
+    _frame: &mut wgpu::CommandEncoder,
+    colour: &'a wgpu::TextureView,
+) -> Result<&'a wgpu::TextureView> {
     Ok(colour)
 }
 

@@ -95,7 +95,8 @@ impl Mesh {
         let position = |ring: usize, sector: usize| points[ring * sectors + sector % sectors].0;
         let vertices = points.iter().enumerate().map(|(index, &(here, up, height_m))| {
             let (ring, sector) = (index / sectors, index % sectors);
-            let outwards = position((ring + 1).min(radii_m.len() - 1), sector) - position(ring.saturating_sub(1), sector);
+            let outwards =
+                position((ring + 1).min(radii_m.len() - 1), sector) - position(ring.saturating_sub(1), sector);
             let clockwise = position(ring, sector + 1) - position(ring, sector + sectors - 1);
             // All of the innermost ring is one point.
             let normal = clockwise.cross(outwards).try_normalize().unwrap_or(up);

@@ -28,28 +28,28 @@ const EARTH: Planet = Planet {
     name: "earth",
     maps: &["europe", "aletsch"],
     places: [[46.645, 7.651], [45.5, 4.5]],
-    azimuths_deg: [122.0, 75.0],
+    azimuths_deg: [118.0, 75.0],
     ground: [
         [0.02, 0.035, 0.05, 0.5],
-        [0.05, 0.08, 0.03, 2000.0],
+        [0.06, 0.075, 0.035, 2000.0],
         [0.20, 0.18, 0.14, 2800.0],
         [0.17, 0.16, 0.15, 0.0],
         [0.80, 0.82, 0.85, 0.9],
     ],
 };
 
-/// Ascraeus Mons from the plain in the south-west; the volcanoes of Tharsis from above Daedalia. Dust, bare rock, no water.
+/// Ascraeus Mons from the plain in the south-west; Olympus Mons on the horizon from space. Dust, bare rock, no water.
 const MARS: Planet = Planet {
     name: "mars",
     maps: &["mars"],
-    places: [[9.0, -108.0], [-15.0, -124.0]],
-    azimuths_deg: [55.0, 35.0],
+    places: [[8.0, -107.0], [10.0, -118.0]],
+    azimuths_deg: [40.0, 297.0],
     ground: [
         [0.0, 0.0, 0.0, -1e9],
-        [0.22, 0.12, 0.065, 4000.0],
-        [0.30, 0.16, 0.085, 1e9],
+        [0.26, 0.14, 0.075, 0.0],
+        [0.26, 0.14, 0.075, 1e9],
         [0.16, 0.10, 0.07, 0.0],
-        [0.30, 0.16, 0.085, 0.7],
+        [0.26, 0.14, 0.075, 0.7],
     ],
 };
 
@@ -88,7 +88,7 @@ impl Options {
             sun_deg: None,
             azimuth_deg: 0.0,
             altitude_deg: None,
-            fov_deg: 40.0,
+            fov_deg: 30.0,
             size: (1280, 720),
             maps: Vec::new(),
             shafts: false,
@@ -134,9 +134,9 @@ impl Options {
         options.sun_deg = sun_deg;
         // Himmel's clock is the Earth's.
         if options.sun_deg.is_none() && time.is_none() && planet.name == "mars" {
-            options.sun_deg = Some([290.0, 18.0]);
+            options.sun_deg = Some([230.0, 14.0]);
         }
-        options.time = time.unwrap_or("2012-09-06T15:40Z".into());
+        options.time = time.unwrap_or("2012-09-06T16:30Z".into());
         Ok(options)
     }
 }
