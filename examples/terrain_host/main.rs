@@ -19,7 +19,10 @@ mod relief;
 use std::path::{Path, PathBuf};
 
 use himmel::glam::{DMat4, DVec3};
-use himmel::{DepthDirection, Light, Output, Picture, Pixels, Preset, Scene, Sky, SkyModel, Target, View, picture};
+use himmel::{
+    ApplyAir, DepthDirection, Light, Output, Pace, Picture, Pixels, Preset, Scene, ShadowMap, Sky, SkyModel, Target,
+    View, picture,
+};
 
 use gpu::{
     TerrainPipelines, begin_pass, bind, display_pipeline, filled_buffer, open_device, read_rgb, shadow_sampler,
@@ -137,15 +140,6 @@ fn lights_on_ground(scene: &Scene, ground_m: f64) -> Result<Vec<Light>> {
         .collect()
 }
 
-/// 4. After the pass: what the air takes from the ground's light and adds to it. Where nothing was drawn but the sky, it
-/// leaves the picture alone.
-fn put_air_in_front<'a>(
-    _frame: &mut wgpu::CommandEncoder,
-    colour: &'a wgpu::TextureView,
-) -> Result<&'a wgpu::TextureView> {
-    Ok(colour)
-}
-
 fn main() -> Result<()> {
     let options = Options::parse(std::env::args().skip(1))?;
     picture::check_writable(&options.file)?;
@@ -184,6 +178,8 @@ fn main() -> Result<()> {
     let (device, queue) = pollster::block_on(open_device())?;
     let target = Target { colour: HDR, depth: Some((DEPTH, options.depth)), samples: 1, output: Output::Radiance };
     let mut sky = Sky::with_scene(&device, &queue, &target, &scene)?;
+    // There is but one frame; a host that runs lets the orders of scattering come over several.
+    sky.renderer_mut().set_pace(Pace::AtOnce);
     let views = [View::from_camera(camera.clip_from_view, camera.enu_from_view)];
 
     // 2. The light of that sky for our own shaders.
@@ -205,11 +201,12 @@ fn main() -> Result<()> {
     let large = (2 * width, 2 * height);
     let bindable = wgpu::TextureUsages::TEXTURE_BINDING;
     let ground = texture(&device, large, HDR, bindable);
+    let with_air = texture(&device, large, HDR, bindable);
     let depth = texture(&device, large, DEPTH, bindable);
     let shadow = shadow_texture(&device);
     let finished = texture(&device, options.size, DISPLAY, wgpu::TextureUsages::COPY_SRC);
-    let [ground_view, depth_view, shadow_view, finished_view] =
-        [&ground, &depth, &shadow, &finished].map(|texture| texture.create_view(&Default::default()));
+    let [ground_view, with_air_view, depth_view, shadow_view, finished_view] =
+        [&ground, &with_air, &depth, &shadow, &finished].map(|texture| texture.create_view(&Default::default()));
 
     let pipelines = TerrainPipelines::new(&device, options.depth);
     let uniform = filled_buffer(&device, &queue, bytemuck::bytes_of(&uniform), wgpu::BufferUsages::UNIFORM);
@@ -251,10 +248,17 @@ fn main() -> Result<()> {
     sky.draw(&mut pass, 0);
     drop(pass);
 
-    let with_air = put_air_in_front(&mut frame, &ground_view)?;
+    // 4. After the pass: what the air takes from the light of the ground, and adds to it. Where only sky was drawn it
+    // leaves the picture alone.
+    let air = ApplyAir {
+        depth_direction: options.depth,
+        exposed: true,
+        shadow: options.shafts.then_some(ShadowMap { depth: &shadow_view, clip_from_enu: sun_camera.clip_from_enu }),
+    };
+    sky.apply_air(&mut frame, &ground_view, &depth_view, &with_air_view, 0, &air)?;
 
     let display = display_pipeline(&device)?;
-    let display_group = bind(&device, &display, &[wgpu::BindingResource::TextureView(with_air)]);
+    let display_group = bind(&device, &display, &[wgpu::BindingResource::TextureView(&with_air_view)]);
     let mut pass = begin_pass(&mut frame, "host: display", Some(&finished_view), None);
     pass.set_pipeline(&display);
     pass.set_bind_group(0, &display_group, &[]);
