@@ -136,7 +136,8 @@ impl Options {
         if options.sun_deg.is_none() && time.is_none() && planet.name == "mars" {
             options.sun_deg = Some([230.0, 14.0]);
         }
-        options.time = time.unwrap_or("2012-09-06T16:30Z".into());
+        // Low for shadows; from space, high enough to shine through the air.
+        options.time = time.unwrap_or(["2012-09-06T16:30Z", "2012-09-06T09:00Z"][high].into());
         Ok(options)
     }
 }
