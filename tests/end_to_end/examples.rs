@@ -37,13 +37,14 @@ fn terrain(args: &[&str]) -> RgbImage {
     picture_of("terrain_host", &[&["--size", "240x136", "-o", "picture.png"], args].concat())
 }
 
-/// Mean of a row, 0..=255 for each channel.
+/// Mean of the middle of a row, 0..=255 for each channel.
 fn row_mean(picture: &RgbImage, y: u32) -> [f64; 3] {
-    let sum = (0..picture.width()).fold([0.0; 3], |sum, x| {
+    let middle = picture.width() / 2;
+    let sum = (middle - 20..middle + 20).fold([0.0; 3], |sum, x| {
         let pixel = picture.get_pixel(x, y).0;
         std::array::from_fn(|channel| sum[channel] + f64::from(pixel[channel]))
     });
-    sum.map(|channel| channel / f64::from(picture.width()))
+    sum.map(|channel| channel / 40.0)
 }
 
 /// `examples/terrain_host` draws the same ground and air whichever way its depth runs.
@@ -62,29 +63,48 @@ fn terrain_looks_the_same_with_either_depth() {
     }
 }
 
-/// From the ground, sky stands above the middle and ground below it. Blue sky, green and brown ground.
+/// From a summit, sky stands above and ground below, and the air before the near ground is less blue than the sky.
 #[test]
 fn terrain_lies_below_the_sky() {
     let picture = terrain(&[]);
-    let (sky, ground) = (row_mean(&picture, 4), row_mean(&picture, picture.height() - 4));
-    assert!(sky[2] > 1.2 * sky[0], "sky {sky:?}");
-    assert!(ground[2] < ground[1], "ground {ground:?}");
+    let blueness = |y: u32| {
+        let [red, _, blue] = row_mean(&picture, y);
+        blue / red
+    };
+    let (sky, near) = (blueness(4), blueness(picture.height() - 4));
+    assert!(sky > 1.3 && near < 0.95 * sky, "blue over red: sky {sky}, near ground {near}");
 }
 
-/// From 200 km the horizon of both planets is where geometry has it, a tenth of the picture above the middle, and Space above is black.
+/// From 200 km the horizon of both planets is where geometry has it, a tenth of the picture above the middle; Space above is
+/// black, and where ground meets sky there is neither a dark nor a bright stripe.
 #[test]
 fn terrain_ends_at_the_horizon_from_space() {
     for planet in ["earth", "mars"] {
         let picture = terrain(&["--planet", planet, "--altitude", "200e3"]);
-        let middle = picture.width() / 2;
-        let green = |y: u32| f64::from(picture.get_pixel(middle, y).0[1]);
-        assert!(green(2) < 10.0, "{planet}: space is black, got {}", green(2));
-        let horizon = (0..picture.height()).find(|&y| green(y) > 60.0).expect("something bright");
+        let height = f64::from(picture.height());
+        let rows: Vec<f64> = (0..picture.height()).map(|y| row_mean(&picture, y)[1]).collect();
+        assert!(rows[2] < 10.0, "{planet}: space is black, got {}", rows[2]);
+        let horizon = rows.iter().position(|&green| green > 60.0).expect("something bright");
         // The air glows above it and mountains rise: at most 15 % of the picture.
-        let expected = 0.4 * f64::from(picture.height());
-        let above = expected - f64::from(horizon);
-        assert!((0.0..0.15 * f64::from(picture.height())).contains(&above), "{planet}: {above} pixels above");
+        let above = 0.4 * height - horizon as f64;
+        assert!((0.0..0.15 * height).contains(&above), "{planet}: {above} pixels above");
+        // A stripe is a row unlike both of its neighbours, on the same side.
+        for window in rows[horizon..horizon + 24].windows(3) {
+            let (before, after) = (window[1] - window[0], window[1] - window[2]);
+            assert!(before * after <= 0.0 || before.abs().min(after.abs()) < 4.0, "{planet}: stripe {window:?}");
+        }
     }
+}
+
+/// A shaded valley before the low Sun: where the host's shadow map takes the Sun from the air, it glows less.
+#[test]
+fn shafts_darken_the_air_in_the_shadow_of_mountains() {
+    let against_the_sun = ["--place", "46.55,7.9", "--altitude", "300", "--look", "262,3", "--fov", "60"];
+    let glowing = terrain(&against_the_sun);
+    let shaded = terrain(&[&against_the_sun as &[&str], &["--shafts"]].concat());
+    // Below the hill that hides the Sun.
+    let (glow, shade) = (row_mean(&glowing, 44)[0], row_mean(&shaded, 44)[0]);
+    assert!(shade < 0.8 * glow, "{shade} for {glow}");
 }
 
 /// Mistakes on the command line are answered with what would do.
