@@ -43,7 +43,7 @@ enum Command {
     Radiance(commands::radiance::Args),
     /// Illuminance by Sun and sky, zenith luminance, spectrum: for a place and time, or over time.
     Light(commands::light::Args),
-    /// Measure the renderer: medians per pass, memory of the tables.
+    /// Measure the renderer: medians of frames and passes, beside those of the usual approximation.
     Bench(commands::bench::Args),
 }
 
@@ -99,7 +99,7 @@ impl From<himmel::Error> for Failure {
             | E::Param(_)
             | E::FileFormat { .. }
             | E::Air(himmel::parts::air::AirError::UnknownPreset { .. })
-            | E::Gpu(himmel::GpuError::Size { .. }) => 2,
+            | E::Gpu(himmel::GpuError::Size { .. } | himmel::GpuError::Comparison(_)) => 2,
             _ => 1,
         };
         Self { code, message: error.to_string() }

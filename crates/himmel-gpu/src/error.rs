@@ -42,6 +42,9 @@ pub enum GpuError {
     /// Shader files could not be joined.
     #[error("the shaders do not fit together: {0}")]
     Shader(#[from] crate::shader::IncludeError),
+    /// The approximation that we compare with cannot show this.
+    #[error("the comparison does not fit: {0}")]
+    Comparison(String),
     /// The caller asked to stop.
     #[error("cancelled")]
     Cancelled,

@@ -5,6 +5,7 @@
 //! where the host brings none, and [`Still`] renders pictures of any size in tiles. Most users want the crate `himmel`,
 //! which joins this with place and time.
 
+pub mod comparison;
 mod error;
 pub mod frame;
 mod gpu;

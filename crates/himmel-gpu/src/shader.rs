@@ -5,6 +5,10 @@
 
 /// Every WGSL file by the path that `#include` uses.
 pub const FILES: &[(&str, &str)] = &[
+    ("comparison/empty.wgsl", include_str!("comparison/empty.wgsl")),
+    ("comparison/hillaire.wgsl", include_str!("comparison/hillaire.wgsl")),
+    ("comparison/hillaire_sky.wgsl", include_str!("comparison/hillaire_sky.wgsl")),
+    ("comparison/hillaire_tables.wgsl", include_str!("comparison/hillaire_tables.wgsl")),
     ("frame/frame.wgsl", include_str!("frame/frame.wgsl")),
     ("frame/sphere.wgsl", include_str!("frame/sphere.wgsl")),
     ("output/dither.wgsl", include_str!("output/dither.wgsl")),
@@ -35,6 +39,9 @@ pub const FILES: &[(&str, &str)] = &[
 pub const ROOTS: &[&str] = &[
     "sky.wgsl",
     "output/meter.wgsl",
+    "comparison/empty.wgsl",
+    "comparison/hillaire_sky.wgsl",
+    "comparison/hillaire_tables.wgsl",
     "phenomena/air/depth.wgsl",
     "phenomena/air/build/rays.wgsl",
     "phenomena/air/build/first.wgsl",

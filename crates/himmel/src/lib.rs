@@ -18,6 +18,7 @@
 //!
 //! [`SkyModel`] is the same sky without a GPU, [`ReferencePicture`] its picture by a Monte Carlo tracer. [`Scene`] is everything that decides a picture, as a file.
 
+pub mod bench;
 mod clock;
 mod error;
 mod light;
