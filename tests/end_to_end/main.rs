@@ -2,6 +2,7 @@
 
 mod astronomy;
 mod bad_input;
+mod bench;
 mod examples;
 mod optics;
 mod pictures;

@@ -39,6 +39,9 @@ pub const FILES: &[(&str, &str)] = &[
 pub const ROOTS: &[&str] = &[
     "sky.wgsl",
     "output/meter.wgsl",
+    "comparison/empty.wgsl",
+    "comparison/hillaire_sky.wgsl",
+    "comparison/hillaire_tables.wgsl",
     "phenomena/air/depth.wgsl",
     "phenomena/air/build/rays.wgsl",
     "phenomena/air/build/first.wgsl",

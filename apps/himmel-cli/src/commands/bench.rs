@@ -11,7 +11,7 @@ use crate::{Failure, out};
 /// Arguments of `himmel bench`.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  himmel bench\n  himmel bench --size 1920x1080 --frames 51 --json\n  himmel bench --adapter swiftshader --preset mars --set light.sun.altitude_deg=-4\n\nHillaire is the approximation that most engines draw (Hillaire 2020), at its usual sizes; it redoes its tables of Sun and\ncamera in each frame, or all of its tables. Frames of all kinds are drawn in turn, the Sun moves from frame to frame, and\nthe exposure is fixed (EV100 14 unless --exposure says another).\n\nTimes are of the adapter that is named; on a software rasteriser or a machine with other work compare ratios only."
+    after_help = "Examples:\n  himmel bench\n  himmel bench --size 1920x1080 --frames 51 --json\n  himmel bench --adapter swiftshader --preset mars --set light.sun.altitude_deg=-4\n\nHillaire is the approximation that most engines draw (Hillaire 2020), at its usual sizes; it redoes its tables of Sun and\ncamera in each frame, or all of its tables. Frames of all kinds are drawn in turn, the Sun moves from frame to frame, and\nthe exposure is fixed (EV100 14 unless --exposure says another).\n\nTimes are of the adapter that is named; on a software rasteriser compare ratios only. Other work on the\nmachine delays the two unequally: if fastest and median lie far apart, measure again when it is quiet."
 )]
 pub struct Args {
     #[command(flatten)]
@@ -79,6 +79,8 @@ fn as_json(report: &Report, args: &Args, scene: &Scene) -> serde_json::Value {
     let adapter = &report.adapter;
     let frames: serde_json::Map<_, _> =
         kinds(report).map(|(key, _, medians)| (key.to_string(), json!(medians.frame_ms))).into_iter().collect();
+    let fastest: serde_json::Map<_, _> =
+        kinds(report).map(|(key, _, medians)| (key.to_string(), json!(medians.fastest_ms))).into_iter().collect();
     let passes: serde_json::Map<_, _> = kinds(report)
         .map(|(key, _, medians)| {
             let passes = medians.passes.passes.iter().map(|(label, ms)| ((*label).to_string(), json!(ms)));
@@ -99,6 +101,7 @@ fn as_json(report: &Report, args: &Args, scene: &Scene) -> serde_json::Value {
         "frames": args.frames,
         "warm_up_frames": args.warm_up,
         "frame_median_ms": frames,
+        "frame_fastest_ms": fastest,
         "pass_median_ms": passes,
         "ratio": {
             "sky_to_hillaire": report.ratio(&report.hillaire),
@@ -134,11 +137,11 @@ fn print_table(report: &Report, args: &Args, scene: &Scene) {
         report.samples_per_pixel(pixels(scene))
     );
     out!("");
-    out!("                                   ms   above empty");
+    out!("                                   ms   above empty     fastest");
     for (_, name, medians) in kinds(report) {
         let above = medians.frame_ms - report.empty.frame_ms;
-        let above = if name == "empty" { String::new() } else { format!("{above:>11.2}") };
-        out!("{:<26} {:>10.2}   {above}", name, medians.frame_ms);
+        let above = if name == "empty" { " ".repeat(11) } else { format!("{above:>11.2}") };
+        out!("{name:<26} {:>10.2}   {above}  {:>10.2}", medians.frame_ms, medians.fastest_ms);
         for (label, ms) in &medians.passes.passes {
             out!("  {label:<28} {ms:>6.2}");
         }
