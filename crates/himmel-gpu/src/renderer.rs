@@ -9,7 +9,7 @@ use wgpu::util::StagingBelt;
 use crate::error::GpuError;
 use crate::frame::{FrameUniform, LightUniform, MOST_LIGHTS, ViewUniform};
 use crate::output::meter::{self, Meter};
-use crate::output::params::OutputParams;
+use crate::output::params::{OutputParams, Tonemap};
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
@@ -103,9 +103,10 @@ pub struct SkyRenderer {
     prepared: usize,
     /// Made when air is first applied to a host's picture.
     apply: Option<Apply>,
-    /// The prepared views, and the number of lights.
+    /// The prepared views, the number of lights, the tone mapper.
     views: Vec<View>,
     lights: u32,
+    tonemap: Tonemap,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     uploads: Uploads,
@@ -222,6 +223,7 @@ impl SkyRenderer {
             apply: None,
             views: Vec::new(),
             lights: 1,
+            tonemap: OutputParams::default().tonemap,
             marching: Vec::new(),
             uploads: Uploads {
                 // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
@@ -397,6 +399,7 @@ impl SkyRenderer {
         }
         drop(pass);
         self.lights = lights;
+        self.tonemap = frame.output.tonemap;
         self.views.clear();
         self.views.extend_from_slice(views);
         self.marching.clear();
@@ -495,7 +498,7 @@ impl SkyRenderer {
 
     fn kind(&self, view_index: usize) -> Kind {
         let projection = self.views.get(view_index).map(|view| view.projection);
-        Kind { linear: matches!(projection, Some(Projection::Matrix(_))), several_lights: self.lights > 1 }
+        Kind { linear: matches!(projection, Some(Projection::Matrix(_))), several_lights: self.lights > 1, tonemap: self.tonemap }
     }
 
     fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, kind: Kind, slot: usize) {
@@ -503,7 +506,7 @@ impl SkyRenderer {
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
         if variant.tiled() {
-            pass.draw(0..6, 0..TILES);
+            pass.draw(0..6, 0..TILES[0] * TILES[1]);
         } else {
             pass.draw(0..3, 0..1);
         }
@@ -582,7 +585,7 @@ impl SkyRenderer {
             tile: [2.0 * left + width - 1.0, 2.0 * bottom + height - 1.0, width, height],
             pixel: view.first_pixel.map(|pixel| pixel as f32),
             horizon: himmel_air::geometry::horizon_cosine(radius_m, altitude_m).asin() as f32,
-            padding: 0.0,
+            tile_reach: tile_reach(view) as f32,
             lights,
         };
         Ok((uniform, up, altitude_m))
@@ -613,7 +616,28 @@ fn view_group(
 }
 
 /// Tiles of a picture; the same in `sky.wgsl`.
-const TILES: u32 = 20 * 14;
+const TILES: [u32; 2] = [20, 14];
+
+/// The largest angle from the middle of a tile to its corners, with a tenth to spare; π where a tile has no direction.
+fn tile_reach(view: &View) -> f64 {
+    let [left, bottom, width, height] = view.part;
+    let [columns, rows] = TILES.map(f64::from);
+    let at = |x: f64, y: f64| {
+        let place = |from: f64, size: f64, share: f64| 2.0 * (from + size * share) - 1.0;
+        view.direction([place(left, width, x / columns), place(bottom, height, y / rows)])
+    };
+    let mut reach: f64 = 0.0;
+    // Tiles are widest in the middle or at an edge of a picture, never in between.
+    for x in [0.0, (columns / 2.0).floor(), columns - 1.0] {
+        for y in [0.0, (rows / 2.0).floor(), rows - 1.0] {
+            let Some(middle) = at(x + 0.5, y + 0.5) else { continue };
+            for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+                reach = reach.max(at(x + dx, y + dy).map_or(0.0, |corner| middle.angle_between(corner)));
+            }
+        }
+    }
+    1.1 * reach + 1e-3
+}
 
 /// The forms of the sky's pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -677,7 +701,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 4];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 4 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -686,6 +710,8 @@ struct Kind {
     linear: bool,
     /// Whether there is more than one light.
     several_lights: bool,
+    /// How finished pictures are tone mapped.
+    tonemap: Tonemap,
 }
 
 fn none_made() -> Made {
@@ -697,12 +723,13 @@ impl Pipelines {
     fn make(&self, marching: bool) {
         let variants: &[Variant] = if marching { &[Variant::Marching] } else { &Variant::TILED };
         for variant in variants {
-            self.get(*variant, Kind { linear: true, several_lights: false });
+            self.get(*variant, Kind { linear: true, several_lights: false, tonemap: OutputParams::default().tonemap });
         }
     }
 
     fn get(&self, variant: Variant, kind: Kind) -> &wgpu::RenderPipeline {
-        self.made[usize::from(kind.linear) + 2 * usize::from(kind.several_lights)][variant as usize].get_or_init(|| {
+        let at = usize::from(kind.linear) + 2 * usize::from(kind.several_lights) + 4 * kind.tonemap as usize;
+        self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
             sky_pipeline(&self.device, &self.module, &self.layout, target, variant, kind, self.constants)
@@ -738,6 +765,7 @@ fn sky_pipeline(
             ("metering", on(variant.metering())),
             ("marching", on(variant.marching())),
             ("several_lights", on(kind.several_lights)),
+            ("tonemap_operator", f64::from(kind.tonemap as u32)),
             groups,
             aerosols,
         ])

@@ -53,30 +53,21 @@ fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instan
 
 // What the pixels of a tile need: horizon, aureole, disc; where a disc is, all of them.
 fn tile_needs(tile: vec2u) -> vec3<bool> {
-    let everything = vec3<bool>(true, true, true);
     let middle = look_direction(tile_ndc(vec2f(tile) + 0.5));
-    var reach = 0.0;
-    for (var i = 0u; i < 4u; i++) {
-        let corner = look_direction(tile_ndc(vec2f(tile + vec2u(i & 1u, i >> 1u))));
-        if dot(corner, corner) < 0.5 {
-            return everything;
-        }
-        reach = max(reach, angle_between(middle, corner));
+    // Outside a fisheye, or so wide that nothing can be told.
+    if dot(middle, middle) < 0.5 || view.tile_reach > 1.0 {
+        return vec3<bool>(true, true, true);
     }
-    if dot(middle, middle) < 0.5 {
-        return everything;
-    }
-    // A fifth more: fisheyes bend a tile's sides. A thousandth for the pixels that smooth an edge.
-    reach = 1.2 * reach + 1e-3;
+    let reach = view.tile_reach;
     let elevation = asin(clamp(dot(middle, view.up), -1.0, 1.0));
     var needs = vec3<bool>(abs(elevation - view.horizon) <= reach, false, false);
     for (var light = 0u; light < frame.light_count; light++) {
-        let near = angle_between(middle, view.lights[light].direction);
-        let near_disc = angle_between(middle, view.lights[light].disc_direction);
-        needs.y = needs.y || near < AUREOLE_TO + reach;
-        needs.z = needs.z || near_disc < 1.5 * view.lights[light].radius + 3.0 * reach;
+        needs.y = needs.y || dot(middle, view.lights[light].direction) > cos(AUREOLE_TO + reach);
+        // A hundredth more: discs are widened to a pixel.
+        let disc = 1.1 * view.lights[light].radius + reach + 0.01;
+        needs.z = needs.z || disc > PI || dot(middle, view.lights[light].disc_direction) > cos(disc);
     }
-    return select(needs, everything, needs.z);
+    return select(needs, vec3<bool>(true, true, true), needs.z);
 }
 
 // A place in tiles as ndc of the picture.

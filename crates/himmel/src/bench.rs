@@ -119,7 +119,7 @@ pub fn run(gpu: &Gpu, scene: &Scene, options: Options, progress: &mut dyn FnMut(
     let (device, queue, target) = (&gpu.device, &gpu.queue, Stage::target());
     let mut stage = Stage::new(gpu, scene.output.width_px, scene.output.height_px)?;
     let mut renderer = SkyRenderer::new(device, queue, &target, model.atmosphere())?;
-    let mut hillaire = Hillaire::new(device, queue, &target, model.atmosphere())?;
+    let mut hillaire = Hillaire::new(device, queue, &target, model.atmosphere(), model.scene().output.tonemap)?;
     // How many orders of scattering the tables hold does not change what a frame costs.
     stage.sky(&mut renderer, &frames[0], &view)?;
     renderer.cancel_rebuild();

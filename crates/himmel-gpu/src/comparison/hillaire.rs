@@ -24,6 +24,7 @@ use himmel_air::{Atmosphere, geometry, sun};
 
 use super::medium::Arrays;
 use super::passes::{TablePass, picture_pipeline, table};
+use crate::output::params::Tonemap;
 use crate::error::GpuError;
 use crate::layout::gpu_struct;
 use crate::renderer::FrameState;
@@ -116,12 +117,13 @@ pub struct Hillaire {
 }
 
 impl Hillaire {
-    /// Compiles its pipelines for a target and samples the medium.
+    /// Compiles its pipelines for a target and one tone mapper (whatever frames say), and samples the medium.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         target: &Target,
         atmosphere: &Atmosphere,
+        tonemap: Tonemap,
     ) -> Result<Self, GpuError> {
         use wgpu::util::DeviceExt;
         target.check(device)?;
@@ -190,7 +192,7 @@ impl Hillaire {
                 (32, 32),
             ),
         ];
-        let picture = picture_pipeline(device, &sky_module, target);
+        let picture = picture_pipeline(device, &sky_module, target, tonemap);
         let picture_group = device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("hillaire sky"),
             layout: &picture.get_bind_group_layout(0),

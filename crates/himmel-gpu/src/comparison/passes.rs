@@ -1,5 +1,6 @@
 //! The approximation's tables, and the pipelines that fill and show them.
 
+use crate::output::params::Tonemap;
 use crate::target::{DepthDirection, Output, Target};
 
 /// A pipeline that fills one table (the froxels: two), with what it is bound to.
@@ -81,10 +82,14 @@ pub(crate) fn picture_pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     target: &Target,
+    tonemap: Tonemap,
 ) -> wgpu::RenderPipeline {
     let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
     let far_depth = [("far_depth", if reversed { 0.0 } else { 1.0 })];
-    let finished = [("finished", f64::from(u8::from(target.output == Output::Display)))];
+    let finished = [
+        ("finished", f64::from(u8::from(target.output == Output::Display))),
+        ("tonemap_operator", f64::from(tonemap as u32)),
+    ];
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("hillaire sky"),
         layout: None,

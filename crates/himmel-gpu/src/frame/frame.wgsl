@@ -70,7 +70,8 @@ struct ViewUniform {
     pixel: vec2f,
     // Elevation of the horizon, rad.
     horizon: f32,
-    padding: f32,
+    // Angle from the middle of a tile of the picture to its corners, at most, rad.
+    tile_reach: f32,
     lights: array<LightUniform, 4>,
 }
 

@@ -88,8 +88,8 @@ gpu_struct! {
         pub pixel: [f32; 2],
         /// Elevation of the horizon, rad.
         pub horizon: f32,
-        /// Fills up.
-        pub padding: f32,
+        /// Angle from the middle of a tile to its corners, rad.
+        pub tile_reach: f32,
         /// The lights.
         pub lights: [LightUniform; MOST_LIGHTS],
     }

@@ -78,8 +78,11 @@ fn tonemap_neutral(colour: vec3f) -> vec3f {
     return srgb_encode(clamp(shifted, vec3f(0.0), vec3f(1.0)));
 }
 
+// The operator that a pipeline is made for; 6: whichever the caller names. Rasterisers on CPUs run all that a switch has.
+override tonemap_operator: u32 = 6u;
+
 fn tonemap(mapper: u32, colour: vec3f) -> vec3f {
-    switch mapper {
+    switch select(mapper, tonemap_operator, tonemap_operator < 6u) {
         case 0u: { return tonemap_linear(colour); }
         case 1u: { return tonemap_reinhard(colour); }
         case 2u: { return tonemap_hejl(colour); }

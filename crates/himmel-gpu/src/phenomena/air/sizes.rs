@@ -41,7 +41,7 @@ impl AirSizes {
             AirQuality::High => Self {
                 densities: 512,
                 depth: [128, 64],
-                sky_view: Some([48, 108]),
+                sky_view: Some([40, 90]),
                 cell_rows: 48,
                 steps: 24,
                 froxels: Some(32),
@@ -51,7 +51,7 @@ impl AirSizes {
                 moments: Quality { rows: 24, columns: 48, max_orders: 12, ..recipe },
                 densities: 512,
                 depth: [128, 64],
-                sky_view: Some([40, 81]),
+                sky_view: Some([36, 72]),
                 cell_rows: 36,
                 steps: 20,
                 froxels: Some(32),
