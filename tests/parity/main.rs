@@ -4,3 +4,4 @@ mod allocation;
 mod functions;
 mod host;
 mod pictures;
+mod sun;
