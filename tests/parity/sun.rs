@@ -1,6 +1,8 @@
 //! The Sun's disc, what stands before it and how its rays bend: WGSL against the f64 twins.
 
 use glam::DVec3;
+use himmel::parts::air::disc::Disc;
+use himmel::parts::air::refraction::Bending;
 use himmel::parts::air::{eclipse, sun};
 use himmel_tests::{Kernel, Random, worst_error};
 
@@ -85,4 +87,95 @@ fn corona() {
     let gpu = Kernel::of("phenomena/sun/eclipse.wgsl").evaluate("vec4f(corona_brightness(in.x))", &inputs);
     let cpu: Vec<_> = inputs.iter().map(|[x, ..]| [eclipse::corona_brightness(f64::from(*x)); 4]).collect();
     assert!(worst_error(&gpu, &cpu, 1e-12).0 < 1e-4);
+}
+
+fn bending_text(bending: &Bending) -> String {
+    let vectors: Vec<String> = bending
+        .deviation_rad
+        .chunks(4)
+        .map(|d| format!("vec4f({:?}, {:?}, {:?}, {:?})", d[0], d[1], d[2], d[3]))
+        .collect();
+    let [a, b, c, d] = bending.ratio;
+    format!(
+        "Bending(array<vec4f, 8>({}), vec4f({a:?}, {b:?}, {c:?}, {d:?}), {:?}, {:?}, {:?}, 0.0)",
+        vectors.join(", "),
+        bending.lowest_rad,
+        bending.width_rad,
+        bending.span
+    )
+}
+
+fn earth_bending(altitude_m: f64) -> Bending {
+    let earth = himmel::Preset::named("earth").unwrap_or_else(|error| panic!("{error}"));
+    Bending::new(&earth.medium, &WAVELENGTHS_NM, altitude_m)
+}
+
+#[test]
+fn deviation_of_bent_rays() {
+    for altitude_m in [2.0, 11e3] {
+        let bending = earth_bending(altitude_m);
+        let inputs: Vec<[f32; 4]> = (0..4000)
+            .map(|i| [(bending.lowest_rad - 0.01 + 1e-5 * 1.0035f64.powi(i)).min(1.57) as f32, 0.0, 0.0, 0.0])
+            .collect();
+        let expression = format!("vec4f(bent_deviation({}, in.x), 0.0, 0.0)", bending_text(&bending));
+        let gpu = Kernel::of("phenomena/sun/bending.wgsl").evaluate(&expression, &inputs);
+        let cpu: Vec<_> = inputs
+            .iter()
+            .map(|[e, ..]| {
+                let (deviation, slope) = bending.deviation(f64::from(*e));
+                [deviation, slope, 0.0, 0.0]
+            })
+            .collect();
+        // 5e-6 of the horizon's 0.01 rad would be 0.01″; slopes change where nodes meet.
+        for (i, (a, b)) in gpu.iter().zip(&cpu).enumerate() {
+            assert!((f64::from(a[0]) - b[0]).abs() < 2e-7, "{:?}: {a:?} {b:?}", inputs[i]);
+            assert!((f64::from(a[1]) - b[1]).abs() < 2e-3, "{:?}: {a:?} {b:?}", inputs[i]);
+        }
+    }
+}
+
+/// A pixel without width is a point: the disc near the horizon, half eclipsed, with its corona.
+#[test]
+fn bent_disc() {
+    let bending = earth_bending(2.0);
+    let (array, limb) = limb();
+    let radius_rad = 0.00465;
+    for (apparent, occluded) in [(0.004, false), (0.004, true), (0.7, true)] {
+        let elevation = bending.true_rad(apparent, 1);
+        let at = |azimuth: f64, e: f64| DVec3::new(azimuth.sin() * e.cos(), azimuth.cos() * e.cos(), e.sin());
+        let centre = at(0.0, elevation);
+        let moon = (at(0.002, elevation + 0.003), 0.0047);
+        let disc = Disc { centre, radius_rad, up: DVec3::Z, occluder: occluded.then_some(moon), corona: occluded };
+        let mut random = Random::new(11);
+        let inputs: Vec<[f32; 4]> = (0..8000)
+            .map(|_| {
+                let look = at(random.within(-0.008, 0.008) / apparent.cos(), apparent + random.within(-0.008, 0.008));
+                [look.x as f32, look.y as f32, look.z as f32, 0.0]
+            })
+            .collect();
+        let vector = |v: DVec3| format!("vec3f({:?}, {:?}, {:?})", v.x, v.y, v.z);
+        let aside = if occluded { centre - moon.0 } else { DVec3::ZERO };
+        let expression = format!(
+            "bent_disc_radiance(in.xyz, vec3f(0.0), vec3f(0.0), Disc({}, {radius_rad:?}, {}, {:?}, {}, {:?}), {}, {array})",
+            vector(centre),
+            vector(DVec3::Z),
+            if occluded { moon.1 } else { 0.0 },
+            vector(aside),
+            if occluded { 1.0 } else { 0.0 },
+            bending_text(&bending)
+        );
+        let gpu = Kernel::of("phenomena/sun/disc.wgsl").evaluate(&expression, &inputs);
+        let twin = |input: &[f32; 4]| {
+            let look = DVec3::new(f64::from(input[0]), f64::from(input[1]), f64::from(input[2]));
+            disc.radiance_per_sr(look.normalize(), &bending, &limb)
+        };
+        // Edges move by 1e-7 rad, 2e-5 radii: a point in ten thousand falls on the other side.
+        let mean = 1.0 / (std::f64::consts::PI * radius_rad * radius_rad);
+        let off = gpu.iter().zip(&inputs).filter(|(a, input)| {
+            let b = twin(input);
+            (0..4).any(|k| (f64::from(a[k]) - b[k]).abs() > 2e-3 * b[k] + 1e-10 * mean)
+        });
+        let off = off.count();
+        assert!(off <= 16, "{off} of {} points differ", inputs.len());
+    }
 }

@@ -18,6 +18,7 @@
 pub mod atmosphere;
 pub mod colour;
 pub mod columns;
+pub mod disc;
 pub mod eclipse;
 pub mod geometry;
 pub mod hillaire;

@@ -13,6 +13,8 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/air/air.wgsl", include_str!("phenomena/air/air.wgsl")),
     ("phenomena/air/tables.wgsl", include_str!("phenomena/air/tables.wgsl")),
     ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
+    ("phenomena/sun/bending.wgsl", include_str!("phenomena/sun/bending.wgsl")),
+    ("phenomena/sun/disc.wgsl", include_str!("phenomena/sun/disc.wgsl")),
     ("phenomena/sun/eclipse.wgsl", include_str!("phenomena/sun/eclipse.wgsl")),
     ("phenomena/sun/sun.wgsl", include_str!("phenomena/sun/sun.wgsl")),
     ("sky.wgsl", include_str!("sky.wgsl")),

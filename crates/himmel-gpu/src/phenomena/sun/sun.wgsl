@@ -1,7 +1,7 @@
 // The Sun's disc. Twin of himmel_air::sun.
 
 //#include "frame/frame.wgsl"
-//#include "phenomena/sun/eclipse.wgsl"
+//#include "phenomena/sun/disc.wgsl"
 
 // Brightness of the disc relative to its mean at a distance from its centre in radii, for four wavelengths.
 fn relative_disc_brightness(radius_fraction: f32, c: array<vec4f, 6>) -> vec4f {
