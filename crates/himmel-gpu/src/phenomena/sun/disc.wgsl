@@ -64,7 +64,7 @@ fn bent_disc_radiance(ray: vec3f, dx: vec3f, dy: vec3f, disc: Disc, bending: Ben
         let fraction = chord * (1.0 + chord * chord / 24.0) / drawn;
         var light = disc_brightness(fraction, c);
         if with_corona {
-            light += corona_brightness(fraction.y);
+            light += corona_brightness(fraction);
         }
         if disc.occluder_radius > 0.0 && !widened {
             let beside = here + disc.from_occluder;

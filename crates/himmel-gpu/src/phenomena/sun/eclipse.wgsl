@@ -135,11 +135,10 @@ fn eclipse_fraction_blurred(
     return sum;
 }
 
-// Radiance of the corona relative to the mean of the Sun's disc, at a distance from its centre in radii.
-fn corona_brightness(rho: f32) -> f32 {
-    if rho < 1.0 {
-        return 0.0;
-    }
-    let q = 1.0 / rho;
-    return 1e-6 * (3.670 * pow(q, 18.0) + 1.939 * pow(q, 7.8) + 0.0551 * pow(q, 2.5));
+// Radiance of the corona relative to the mean of the Sun's disc, at distances from its centre in radii (one for each
+// wavelength: the air bends them apart).
+fn corona_brightness(rho: vec4f) -> vec4f {
+    let q = 1.0 / max(rho, vec4f(1.0));
+    let sum = 3.670 * pow(q, vec4f(18.0)) + 1.939 * pow(q, vec4f(7.8)) + 0.0551 * pow(q, vec4f(2.5));
+    return select(1e-6 * sum, vec4f(0.0), rho < vec4f(1.0));
 }
