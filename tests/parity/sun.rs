@@ -52,7 +52,7 @@ fn discs_seen_from_far_samples() {
     let vector = |v: DVec3| format!("vec3f({:?}, {:?}, {:?})", v.x, v.y, v.z);
     let gpu = Kernel::of("phenomena/sun/eclipse.wgsl").evaluate(
         &format!(
-            "vec4f(shadow_discs(Shadow({}, {:?}, {}, {:?}, {:?}, {:?}), in.xyz), \
+            "vec4f(shadow_discs(ShadowUniform({}, {:?}, {}, {:?}, {:?}, {:?}, vec2f(0.0)), in.xyz), \
              eclipse_table_coordinate(abs(in.x) * 1e-6, 0.95), eclipse_table_coordinate(abs(in.x) * 1.1e-6, 1.05))",
             vector(shadow.across_m),
             shadow.along_m,
@@ -97,7 +97,7 @@ fn bending_text(bending: &Bending) -> String {
         .collect();
     let [a, b, c, d] = bending.ratio;
     format!(
-        "Bending(array<vec4f, 8>({}), vec4f({a:?}, {b:?}, {c:?}, {d:?}), {:?}, {:?}, {:?}, 0.0)",
+        "BendingUniform(array<vec4f, 8>({}), vec4f({a:?}, {b:?}, {c:?}, {d:?}), {:?}, {:?}, {:?}, 0.0)",
         vectors.join(", "),
         bending.lowest_rad,
         bending.width_rad,
@@ -156,7 +156,7 @@ fn bent_disc() {
         let vector = |v: DVec3| format!("vec3f({:?}, {:?}, {:?})", v.x, v.y, v.z);
         let aside = if occluded { centre - moon.0 } else { DVec3::ZERO };
         let expression = format!(
-            "bent_disc_radiance(in.xyz, vec3f(0.0), vec3f(0.0), Disc({}, {radius_rad:?}, {}, {:?}, {}, {:?}), {}, {array})",
+            "bent_disc_radiance(in.xyz, vec3f(0.0), vec3f(0.0), DiscUniform({}, {radius_rad:?}, {}, {:?}, {}, {:?}), {}, {array})",
             vector(centre),
             vector(DVec3::Z),
             if occluded { moon.1 } else { 0.0 },

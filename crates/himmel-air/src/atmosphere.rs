@@ -1,5 +1,7 @@
 //! A preset with its settings, ready to be asked and to be drawn.
 
+use std::sync::OnceLock;
+
 use glam::{DVec3, DVec4};
 use himmel_core::colour::rec709_from_xyz;
 use himmel_core::interpolate::lerp;
@@ -10,6 +12,7 @@ use crate::irradiance::{Directions, sky_irradiance, table_coordinate, table_elev
 use crate::medium::{Medium, Sampled};
 use crate::params::{AirParams, GroundParams};
 use crate::preset::Preset;
+use crate::scene_light::SceneLight;
 use crate::single::{March, Ray, enter, march};
 
 /// Columns of the table of sky irradiance on the ground.
@@ -23,6 +26,7 @@ pub struct Atmosphere {
     columns: Columns,
     xyz_from_four: [DVec4; 3],
     ground_sky_irradiance: Vec<[f64; 4]>,
+    scene_light: OnceLock<SceneLight>,
 }
 
 impl Atmosphere {
@@ -42,12 +46,22 @@ impl Atmosphere {
             };
             (0..IRRADIANCE_WIDTH).map(at).collect()
         };
-        Self { medium, wavelengths_nm, columns, xyz_from_four, ground_sky_irradiance }
+        Self { medium, wavelengths_nm, columns, xyz_from_four, ground_sky_irradiance, scene_light: OnceLock::new() }
     }
 
     /// The medium with the settings applied.
     pub fn medium(&self) -> &Medium {
         &self.medium
+    }
+
+    /// The columns of the medium's components.
+    pub fn columns(&self) -> &Columns {
+        &self.columns
+    }
+
+    /// The coarse table of all orders that a scene's light is asked of; made when it is first asked for.
+    pub fn scene_light(&self) -> &SceneLight {
+        self.scene_light.get_or_init(|| SceneLight::build(&self.sampled(), &self.columns))
     }
 
     /// The medium at the four wavelengths.

@@ -36,6 +36,7 @@ pub mod query;
 pub mod rayleigh;
 pub mod reference;
 pub mod refraction;
+pub mod scene_light;
 pub mod shadow;
 pub mod sharp;
 pub mod single;

@@ -40,4 +40,10 @@ pub struct Layout {
 }
 
 /// Every struct that Rust and WGSL share.
-pub const SHARED: &[Layout] = &[crate::frame::FrameUniform::LAYOUT, crate::frame::ViewUniform::LAYOUT];
+pub const SHARED: &[Layout] = &[
+    crate::frame::FrameUniform::LAYOUT,
+    crate::frame::ViewUniform::LAYOUT,
+    crate::phenomena::sun::BendingUniform::LAYOUT,
+    crate::phenomena::sun::DiscUniform::LAYOUT,
+    crate::phenomena::sun::ShadowUniform::LAYOUT,
+];

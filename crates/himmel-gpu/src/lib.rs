@@ -21,6 +21,7 @@ mod view;
 pub use error::GpuError;
 pub use gpu::{AdapterReport, Gpu};
 pub use output::params::{Exposure, OutputParams, Tonemap};
+pub use phenomena::sun::Occluder;
 pub use renderer::{FrameState, SkyRenderer, SunState};
 pub use still::{MAX_PIXELS, MAX_SIDE, Picture, Pixels, Still};
 pub use target::{DepthDirection, Output, Target};

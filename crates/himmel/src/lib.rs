@@ -35,10 +35,10 @@ pub use error::{Error, Result};
 pub use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
-    AdapterReport, DepthDirection, Exposure, Gpu, GpuError, Output, OutputParams, PassTimes, Picture, Pixels,
+    AdapterReport, DepthDirection, Exposure, Gpu, GpuError, Occluder, Output, OutputParams, PassTimes, Picture, Pixels,
     Projection, Still, Target, Tonemap, View,
 };
-pub use light::{Light, SunLight};
+pub use light::{AmbientLight, Light, LightSource, SunLight};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};
 pub use model::{SkyModel, SunPlace, visible_fraction};
 pub use observer::Observer;

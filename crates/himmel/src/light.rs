@@ -1,6 +1,7 @@
 //! The sky as a light for the host's scene.
 
 use glam::DVec3;
+use himmel_air::scene_light::irradiance_of;
 
 /// Direct light of the Sun at the observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,15 +26,65 @@ impl SunLight {
     }
 }
 
-/// All light at the observer. The sky's part counts sunlight that is scattered once; the rest comes with multiple scattering.
+/// A light far away: the Sun, in time the Moon.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightSource {
+    /// What it is.
+    pub name: String,
+    /// Unit vector towards it as the air shows it, east-north-up.
+    pub direction_enu: DVec3,
+    /// Linear Rec. 709, the largest channel 1; black where it does not shine.
+    pub colour: [f64; 3],
+    /// On a surface that faces it, lx.
+    pub illuminance_lx: f64,
+}
+
+/// Light from everywhere but the sources' own discs, as nine real harmonics of radiance.
+///
+/// Linear Rec. 709 in cd m⁻². The basis (order, signs, normalisation) is that of [`himmel_air::scene_light`], over
+/// (east, north, up).
+///
+/// ```
+/// use himmel::{AmbientLight, glam::DVec3};
+/// // An even sky of 1000 cd/m² in all directions, the ground too: π times that on every surface.
+/// let mut harmonics = [[0.0; 3]; 9];
+/// harmonics[0] = [1000.0 * (4.0 * std::f64::consts::PI).sqrt(); 3];
+/// let light = AmbientLight { harmonics_cd_m2: harmonics };
+/// assert!((light.irradiance_lx(DVec3::X).x - 3141.6).abs() < 0.1);
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AmbientLight {
+    /// L_i of red, green and blue.
+    pub harmonics_cd_m2: [[f64; 3]; 9],
+}
+
+impl AmbientLight {
+    /// Illuminance of a surface with a unit normal (east-north-up) as linear Rec. 709: times albedo / π it is what a matt
+    /// surface shows, in cd m⁻². Exact for surfaces that face up or down, within some percent for others.
+    pub fn irradiance_lx(&self, normal: DVec3) -> DVec3 {
+        DVec3::from_array(irradiance_of(&self.harmonics_cd_m2, normal))
+    }
+}
+
+/// All light at the observer, with all orders of scattering.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Light {
     /// The Sun.
     pub sun: SunLight,
+    /// Every light that casts shadows, the Sun first.
+    pub sources: Vec<LightSource>,
     /// From the sky on a level surface, lx.
     pub sky_illuminance_lx: f64,
     /// Of that light: linear Rec. 709, the largest channel 1.
     pub sky_colour: [f64; 3],
+    /// From ground and air below on a surface that faces down, lx.
+    pub ground_illuminance_lx: f64,
+    /// Luminance of the zenith, cd m⁻²; the Sun's disc is not in it.
+    pub zenith_luminance_cd_m2: f64,
+    /// Sky and ground in all directions.
+    pub ambient: AmbientLight,
+    /// What of the Sun's disc the Moon leaves (1: no eclipse), by its illuminance.
+    pub eclipse_fraction: f64,
 }
 
 impl Light {

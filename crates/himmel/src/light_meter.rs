@@ -360,7 +360,7 @@ fn first(model: &SkyModel, place: &SunPlace, star_at_1_au: f64) -> Result<Measur
         sun: *place,
         sun_normal_lx: light.sun.illuminance_lx,
         sun_horizontal_lx: light.sun.illuminance_lx * height,
-        sky_lx: exact(light.sky_illuminance_lx),
+        sky_lx: exact(air.xyz(sky).y * star_at_1_au),
         zenith_cd_m2: exact(air.xyz(zenith).y * star_at_1_au),
         spectrum: LightSpectrum {
             wavelengths_nm: air.wavelengths_nm().to_vec(),

@@ -1,7 +1,7 @@
 // How the air lifts what is seen: twins of himmel_air::refraction::Bending, same names, order and units.
 
 // Twin of the Rust struct `BendingUniform`: 32 deviations at the nodes, rad, four to a vector.
-struct Bending {
+struct BendingUniform {
     deviation: array<vec4f, 8>,
     // Deviation at each wavelength over that of the table.
     ratio: vec4f,
@@ -16,13 +16,13 @@ struct Bending {
 
 const BENDING_BELOW: f32 = 0.02;
 
-fn bending_node(bending: Bending, index: i32) -> f32 {
+fn bending_node(bending: BendingUniform, index: i32) -> f32 {
     let i = clamp(index, 0, 31);
     return bending.deviation[i / 4][i % 4];
 }
 
 // Apparent minus true elevation at an apparent elevation, and how it changes with it.
-fn bent_deviation(bending: Bending, apparent: f32) -> vec2f {
+fn bent_deviation(bending: BendingUniform, apparent: f32) -> vec2f {
     let above = clamp(apparent - bending.lowest, -BENDING_BELOW, 1.57079633 - bending.lowest);
     let scaled = abs(above) / bending.width;
     let x = sign(above) * log(scaled + sqrt(scaled * scaled + 1.0)) / bending.span * 31.0;

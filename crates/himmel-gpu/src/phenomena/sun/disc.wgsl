@@ -4,7 +4,7 @@
 //#include "phenomena/sun/bending.wgsl"
 //#include "phenomena/sun/eclipse.wgsl"
 
-struct Disc {
+struct DiscUniform {
     // Unit vector to its centre, without refraction.
     centre: vec3f,
     // Apparent radius, rad.
@@ -36,7 +36,7 @@ fn disc_brightness(fraction: vec4f, c: array<vec4f, 6>) -> vec4f {
 // Radiance of disc and corona per unit irradiance of the star, 1/sr, averaged over a pixel. `ray`: unit vector of the
 // pixel, as it is seen; `dx`, `dy`: how it changes to the next pixel. A disc smaller than a pixel is widened to three
 // quarters of one, its flux kept.
-fn bent_disc_radiance(ray: vec3f, dx: vec3f, dy: vec3f, disc: Disc, bending: Bending, c: array<vec4f, 6>) -> vec4f {
+fn bent_disc_radiance(ray: vec3f, dx: vec3f, dy: vec3f, disc: DiscUniform, bending: BendingUniform, c: array<vec4f, 6>) -> vec4f {
     let pixel = max(length(dx), length(dy));
     let drawn = max(disc.radius, 0.75 * pixel);
     let widened = drawn > disc.radius;

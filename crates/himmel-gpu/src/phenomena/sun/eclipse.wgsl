@@ -18,7 +18,7 @@ const ECLIPSE_INSIDE: f32 = 16.0;
 const ECLIPSE_CROSSING: f32 = 96.0;
 
 // Where an occluder stands relative to the camera; vectors in the frame that the caller works in.
-struct Shadow {
+struct ShadowUniform {
     // What of the vector to its centre is across the Sun's direction, m.
     across_m: vec3f,
     // What of it is along the Sun's direction, m.
@@ -30,6 +30,7 @@ struct Shadow {
     sun_radius: f32,
     // 1 − distance of the occluder over the Sun's.
     parallax: f32,
+    padding: vec2f,
 }
 
 fn outer_flux(mu: f32, c: array<vec4f, 6>) -> vec4f {
@@ -70,7 +71,7 @@ fn visible_part(d: f32, b: f32, c: array<vec4f, 6>) -> vec4f {
 }
 
 // Separation of the centres and radius of the occluder, as seen from a point at an offset from the camera, m.
-fn shadow_discs(shadow: Shadow, offset_m: vec3f) -> vec2f {
+fn shadow_discs(shadow: ShadowUniform, offset_m: vec3f) -> vec2f {
     let forward_m = dot(offset_m, shadow.sun);
     let aside_m = length(shadow.across_m - (offset_m - shadow.sun * forward_m) * shadow.parallax);
     let along_m = shadow.along_m - forward_m;
@@ -87,7 +88,7 @@ fn shadow_discs(shadow: Shadow, offset_m: vec3f) -> vec2f {
 }
 
 // What of the Sun's light passes the occluder on its way to a point.
-fn eclipse_fraction_at(shadow: Shadow, offset_m: vec3f, c: array<vec4f, 6>) -> vec4f {
+fn eclipse_fraction_at(shadow: ShadowUniform, offset_m: vec3f, c: array<vec4f, 6>) -> vec4f {
     let discs = shadow_discs(shadow, offset_m);
     return visible_part(discs.x, discs.y, c);
 }
@@ -104,7 +105,7 @@ fn eclipse_table_coordinate(d: f32, b: f32) -> f32 {
 }
 
 // The same as eclipse_fraction_at from the frame's table (one row of 112 texels). `table_b`: the radius it is made for.
-fn eclipse_fraction_from(table: texture_2d<f32>, table_b: f32, shadow: Shadow, offset_m: vec3f) -> vec4f {
+fn eclipse_fraction_from(table: texture_2d<f32>, table_b: f32, shadow: ShadowUniform, offset_m: vec3f) -> vec4f {
     let discs = shadow_discs(shadow, offset_m);
     let x = eclipse_table_coordinate(discs.x, discs.y);
     let i = min(u32(x), u32(ECLIPSE_INSIDE + ECLIPSE_CROSSING) - 2u);
@@ -117,7 +118,7 @@ fn eclipse_fraction_from(table: texture_2d<f32>, table_b: f32, shadow: Shadow, o
 fn eclipse_fraction_blurred(
     table: texture_2d<f32>,
     table_b: f32,
-    shadow: Shadow,
+    shadow: ShadowUniform,
     offset_m: vec3f,
     up: vec3f,
     radius_m: f32,
