@@ -38,7 +38,7 @@ pub use himmel_gpu::{
     AdapterReport, DepthDirection, Exposure, Gpu, GpuError, Occluder, Output, OutputParams, PassTimes, Picture, Pixels,
     Projection, Still, Target, Tonemap, View,
 };
-pub use light::{AmbientLight, Light, LightSource, SunLight};
+pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};
 pub use model::{SkyModel, SunPlace, visible_fraction};
 pub use observer::Observer;
