@@ -450,6 +450,23 @@ mod tests {
         assert_eq!(measure(&model, FEW), all);
     }
 
+    /// The light of the scene (four wavelengths, a coarse table, harmonics) against the meter with the whole table at
+    /// sixteen: 2 %, which is mostly what four wavelengths cost.
+    #[test]
+    fn the_lights_of_a_scene_are_what_the_meter_measures() {
+        let at = |altitude: &str| model(&[("light.sun.altitude_deg", altitude), ("observer.altitude_m", "10")]);
+        let meter = LightMeter::new(&at("30"), LightSolver::Moments).unwrap();
+        for altitude in ["60", "30", "10", "0", "-4"] {
+            let model = at(altitude);
+            let (light, measured) = (model.light().unwrap(), meter.measure(&model, &mut |_| true).unwrap());
+            let level = light.horizontal_illuminance_lx() / measured.horizontal_lx().value - 1.0;
+            let sky = light.sky_illuminance_lx / measured.sky_lx.value - 1.0;
+            let zenith = light.zenith_luminance_cd_m2 / measured.zenith_cd_m2.value - 1.0;
+            println!("{altitude}°: level {level:+.4}, sky {sky:+.4}, zenith {zenith:+.4}");
+            assert!(level.abs() < 0.02 && sky.abs() < 0.03 && zenith.abs() < 0.06, "{altitude}");
+        }
+    }
+
     #[test]
     fn too_few_paths_and_cancelling_are_errors() {
         let model = model(&[]);

@@ -78,21 +78,19 @@ fn deviation_rad(path: &Path<'_>, altitude_m: f64, zenith_rad: f64) -> f64 {
         let target = constant / psi.sin();
         // Newton on r n(r) = target, from r = target: n is nearly 1.
         let mut altitude = target - radius_m;
-        let (mut n, mut slope) = (1.0, 1.0);
-        let mut bend = 0.0;
+        let mut integrand = 0.0;
         for _ in 0..6 {
             let (refractivity, gradient) = index(path, altitude);
-            n = 1.0 + refractivity;
-            bend = (radius_m + altitude) * gradient;
-            slope = (n + bend).max(LEAST_SLOPE * n);
+            let (n, bend) = (1.0 + refractivity, (radius_m + altitude) * gradient);
+            let slope = (n + bend).max(LEAST_SLOPE * n);
+            integrand = -bend / slope;
             let step = ((radius_m + altitude) * n - target) / slope;
             altitude -= step;
             if step.abs() < 1e-3 {
                 break;
             }
         }
-        debug_assert!(n >= 1.0);
-        w * -bend / slope
+        w * integrand
     };
     (to - from) * gauss_legendre_unit(STEPS).into_iter().map(sum).sum::<f64>()
 }
