@@ -100,7 +100,7 @@ impl MeasuredLight {
 /// A meter that is prepared for the air of a model. Times and places may change between measurements, the air may not.
 ///
 /// The star's own light comes from its refracted disc, or the part of it above the horizon, through the air along the
-/// straight line there (as the renderer has it); air is lit from its airless place, by moments and at first order as by a
+/// straight line there (as the renderer has it; no eclipse is in it: ask [`SkyModel::light`]); air is lit from its airless place, by moments and at first order as by a
 /// parallel beam, for the reference near the horizon by the disc.
 ///
 /// ```

@@ -291,7 +291,13 @@ fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<(), Fai
     let scene = model.light()?;
     out!("stars        to magnitude {:.1} there", scene.limiting_magnitude());
     if scene.eclipse_fraction < 1.0 {
-        out!("eclipse      {:.2} % of the Sun's light is left", 100.0 * scene.eclipse_fraction);
+        // The solvers' skies are lit by a whole Sun: the scene's light is the one that knows.
+        out!("eclipse      {:.2} % of the Sun's light is left; in it", 100.0 * scene.eclipse_fraction);
+        out!("  sun        {} lx on a surface that faces it", digits(scene.sun.illuminance_lx));
+        out!(
+            "  sky        {} lx (the sky above, and the spectrum, are those of a whole Sun)",
+            digits(scene.sky_illuminance_lx)
+        );
     }
     out!("spectrum, W m⁻² nm⁻¹ on a level surface");
     out!("  {:>8}  {:>10}  {:>10}", "nm", "sun", "sky");
