@@ -2,7 +2,7 @@
 
 use himmel::Preset;
 use himmel::parts::air::single::Ray;
-use himmel::parts::air::{Atmosphere, AirParams, AirQuality, GroundParams};
+use himmel::parts::air::{AirParams, AirQuality, Atmosphere, GroundParams};
 use himmel::parts::gpu::RayMeter;
 use himmel_tests::{Random, gpu};
 
@@ -59,7 +59,14 @@ fn rays_are_those_of_the_twin() {
     {
         let found = differences(preset, 400);
         let at = |share: f64| found[(share * (found.len() - 1) as f64) as usize].0.abs();
-        println!("{preset}: {} of 1600, median {:.4} %, 95 % {:.4} %, 99 % {:.3} %, worst {:?}", found.len(), at(0.5), at(0.95), at(0.99), found.last());
+        println!(
+            "{preset}: {} of 1600, median {:.4} %, 95 % {:.4} %, 99 % {:.3} %, worst {:?}",
+            found.len(),
+            at(0.5),
+            at(0.95),
+            at(0.99),
+            found.last()
+        );
         assert!(at(0.5) < median_percent && at(0.95) < p95_percent, "{preset}");
     }
 }

@@ -29,7 +29,7 @@ fn frame(altitude_m: f64, sun_deg: f64) -> FrameState {
         limb_darkening: true,
     };
     let output = OutputParams { exposure: Some(Exposure::None), ..OutputParams::default() };
-    FrameState { sun, other_suns: Vec::new(), altitude_m, output }
+    FrameState::new(sun, altitude_m, output)
 }
 
 fn texture(format: wgpu::TextureFormat, usage: wgpu::TextureUsages, side: u32) -> wgpu::Texture {
@@ -46,7 +46,14 @@ fn texture(format: wgpu::TextureFormat, usage: wgpu::TextureUsages, side: u32) -
 }
 
 /// A picture of one colour and one depth with the air before it: its middle texel.
-fn applied(renderer: &mut SkyRenderer, frame: &FrameState, view: &View, colour: f64, depth: f64, air: &ApplyAir<'_>) -> [f32; 4] {
+fn applied(
+    renderer: &mut SkyRenderer,
+    frame: &FrameState,
+    view: &View,
+    colour: f64,
+    depth: f64,
+    air: &ApplyAir<'_>,
+) -> [f32; 4] {
     use wgpu::TextureUsages as Usage;
     let gpu = gpu();
     let whole = Usage::RENDER_ATTACHMENT | Usage::TEXTURE_BINDING | Usage::COPY_SRC;
@@ -114,10 +121,9 @@ fn middle(view: &View) -> DVec3 {
 /// dust light from behind also comes by small angles, which the difference leaves out.
 #[test]
 fn a_stretch_of_air_is_a_difference_of_rays() {
-    for (preset, quality, tolerance) in [
-        ("bruneton2017", AirQuality::Film, 0.03),
-        ("bruneton2017", AirQuality::High, 0.04),
-    ] {
+    for (preset, quality, tolerance) in
+        [("bruneton2017", AirQuality::Film, 0.03), ("bruneton2017", AirQuality::High, 0.04)]
+    {
         let atmosphere = atmosphere(preset, quality);
         let target = Target::new(wgpu::TextureFormat::Rgba16Float, Output::Radiance);
         let gpu = gpu();
@@ -158,7 +164,10 @@ fn a_stretch_of_air_is_a_difference_of_rays() {
             let found = applied(&mut renderer, &frame, &view, 0.0, NEAR_M / along, &air);
             for k in 0..3 {
                 let error = f64::from(found[k]) / expected[k] - 1.0;
-                println!("{preset} {quality:?} {altitude_m} m, Sun {sun_deg}°, {elevation_deg}°, {distance_m} m, {k}: {:.3} %", 100.0 * error);
+                println!(
+                    "{preset} {quality:?} {altitude_m} m, Sun {sun_deg}°, {elevation_deg}°, {distance_m} m, {k}: {:.3} %",
+                    100.0 * error
+                );
                 worst = worst.max(error.abs());
             }
         }
@@ -188,7 +197,8 @@ fn depth_conventions_agree() {
         assert!((found[k] / reversed[k] - 1.0).abs() < 0.02, "{found:?} {reversed:?}");
     }
     assert!(reversed[0] > 0.0 && reversed[0] < 1e5);
-    let ortho = View { projection: Projection::Matrix(DMat4::orthographic_rh(-1.0, 1.0, -1.0, 1.0, 0.0, 1e5)), ..looking };
+    let ortho =
+        View { projection: Projection::Matrix(DMat4::orthographic_rh(-1.0, 1.0, -1.0, 1.0, 0.0, 1e5)), ..looking };
     let found = applied(&mut renderer, &frame, &ortho, 1000.0, distance_m / 1e5, &air(DepthDirection::Standard));
     for k in 0..3 {
         assert!((found[k] / reversed[k] - 1.0).abs() < 0.02, "{found:?} {reversed:?}");

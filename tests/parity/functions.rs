@@ -136,8 +136,8 @@ fn limb_darkening() {
     let c = sun::limb_darkening(560.0);
     let rows: Vec<String> = c.iter().map(|c| format!("vec4f({:?})", *c as f32)).collect();
     let inputs: Vec<[f32; 4]> = (0..1000).map(|i| [i as f32 / 1000.0; 4]).collect();
-    let expression = format!("relative_disc_brightness(in.x, array<vec4f, 6>({}))", rows.join(", "));
-    let gpu = Kernel::of("phenomena/sun/sun.wgsl").evaluate(&expression, &inputs);
+    let expression = format!("disc_brightness(vec4f(in.x), array<vec4f, 6>({}))", rows.join(", "));
+    let gpu = Kernel::of("phenomena/sun/disc.wgsl").evaluate(&expression, &inputs);
     let cpu = twin(&inputs, |[x, ..]| [sun::relative_disc_brightness(x, &c); 4]);
     assert!(worst_error(&gpu, &cpu, 0.1).0 < 1e-4);
 }

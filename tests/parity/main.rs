@@ -1,8 +1,9 @@
 //! Parity: what the GPU computes against the f64 twins, on the adapter that is printed.
 
 mod air;
-mod apply_air;
 mod allocation;
+mod apply_air;
 mod functions;
 mod host;
 mod pictures;
+mod sun;

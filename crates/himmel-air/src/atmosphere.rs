@@ -12,6 +12,7 @@ use crate::medium::{Medium, Sampled};
 use crate::moments::{self, Moments, Quality};
 use crate::params::{AirParams, AirQuality, GroundParams};
 use crate::preset::Preset;
+use crate::scene_light::SceneLight;
 use crate::single::{March, Ray, enter, march};
 
 /// An atmosphere at four wavelengths, and its tables on the CPU, made when they are first asked for; it does not depend
@@ -24,6 +25,7 @@ pub struct Atmosphere {
     columns: OnceLock<Columns>,
     moments: OnceLock<Moments<4>>,
     xyz_from_four: [DVec4; 3],
+    scene_light: OnceLock<SceneLight>,
     /// What the matrix was fitted to.
     fitted_to: Medium,
 }
@@ -55,6 +57,7 @@ impl Atmosphere {
             steps: air.steps,
             columns: OnceLock::new(),
             moments: OnceLock::new(),
+            scene_light: OnceLock::new(),
             xyz_from_four,
             fitted_to: preset.medium.clone(),
         }
@@ -83,6 +86,11 @@ impl Atmosphere {
     /// The medium with the settings applied.
     pub fn medium(&self) -> &Medium {
         &self.medium
+    }
+
+    /// The coarse table of all orders that a scene's light is asked of; made when it is first asked for.
+    pub fn scene_light(&self) -> &SceneLight {
+        self.scene_light.get_or_init(|| SceneLight::build(&self.sampled(), self.columns()))
     }
 
     /// The medium at the four wavelengths.

@@ -18,6 +18,8 @@
 pub mod atmosphere;
 pub mod colour;
 pub mod columns;
+pub mod disc;
+pub mod eclipse;
 pub mod geometry;
 pub mod hillaire;
 pub mod irradiance;
@@ -34,6 +36,7 @@ pub mod query;
 pub mod rayleigh;
 pub mod reference;
 pub mod refraction;
+pub mod scene_light;
 pub mod shadow;
 pub mod sharp;
 pub mod single;

@@ -1,5 +1,9 @@
 //! Bent rays: where light comes from, and what is left of it, when the air's density bends its path.
 
+mod bending;
+
+pub use bending::{Bending, NODES as BENDING_NODES, traced_deviation_rad};
+
 use himmel_core::interpolate::{lerp, locate};
 use himmel_core::spectrum::Spectrum;
 

@@ -47,7 +47,11 @@ pub const SHARED: &[Layout] = &[
     crate::phenomena::air::uniform::Species::LAYOUT,
     crate::phenomena::air::uniform::Aerosol::LAYOUT,
     crate::phenomena::air::uniform::AirUniform::LAYOUT,
+    crate::phenomena::sun::BendingUniform::LAYOUT,
+    crate::phenomena::sun::DiscUniform::LAYOUT,
+    crate::phenomena::sun::ShadowUniform::LAYOUT,
 ];
+
 /// Those of other passes, by their root.
 pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
     ("phenomena/air/build/resolve.wgsl", crate::phenomena::air::build::BuildUniform::LAYOUT),

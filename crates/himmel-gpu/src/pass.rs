@@ -32,7 +32,8 @@ pub(crate) enum Slot {
 
 fn entry(binding: u32, slot: Slot, visibility: wgpu::ShaderStages) -> wgpu::BindGroupLayoutEntry {
     use wgpu::{BindingType, BufferBindingType, StorageTextureAccess, TextureSampleType, TextureViewDimension};
-    let texture = |sample_type, view_dimension| BindingType::Texture { sample_type, view_dimension, multisampled: false };
+    let texture =
+        |sample_type, view_dimension| BindingType::Texture { sample_type, view_dimension, multisampled: false };
     let float = TextureSampleType::Float { filterable: false };
     let write = |format, view_dimension| BindingType::StorageTexture {
         access: StorageTextureAccess::WriteOnly,

@@ -1,8 +1,10 @@
 //! The renderer: made once for a target, prepared each frame, drawn for each view.
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
+use himmel_air::eclipse::Shadow;
+use himmel_air::refraction::Bending;
 use himmel_air::{AirQuality, Atmosphere, sun};
 use wgpu::util::StagingBelt;
 
@@ -14,6 +16,7 @@ use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
 use crate::timing::Stamps;
 use crate::view::{Projection, View};
@@ -42,6 +45,12 @@ pub struct FrameState {
     pub sun: SunState,
     /// Other suns that light the same air; at most [`MOST_LIGHTS`] with the first.
     pub other_suns: Vec<SunState>,
+    /// What stands before the Sun, for its disc.
+    pub occluder: Option<Occluder>,
+    /// Its shadow in the air, where it reaches what one sees.
+    pub shadow: Option<Shadow>,
+    /// How the air bends what is seen.
+    pub bending: Arc<Bending>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
@@ -49,6 +58,12 @@ pub struct FrameState {
 }
 
 impl FrameState {
+    /// One sun, nothing before it, nothing bent.
+    pub fn new(sun: SunState, altitude_m: f64, output: OutputParams) -> Self {
+        let bending = Arc::new(Bending::none());
+        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output }
+    }
+
     /// All suns, the first one first.
     pub fn suns(&self) -> impl Iterator<Item = &SunState> {
         std::iter::once(&self.sun).chain(&self.other_suns)
@@ -107,6 +122,7 @@ pub struct SkyRenderer {
     views: Vec<View>,
     lights: u32,
     tonemap: Tonemap,
+    eclipsed: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     uploads: Uploads,
@@ -224,6 +240,7 @@ impl SkyRenderer {
             views: Vec::new(),
             lights: 1,
             tonemap: OutputParams::default().tonemap,
+            eclipsed: false,
             marching: Vec::new(),
             uploads: Uploads {
                 // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
@@ -360,6 +377,11 @@ impl SkyRenderer {
             }
             uniforms.push(uniform);
         }
+        if let Some(shadow) = &frame.shadow {
+            let limb = self.limb_darkening(frame);
+            let b = self.air.eclipse(&self.queue, shadow.discs(DVec3::ZERO).1, &limb);
+            uniforms.iter_mut().for_each(|uniform| uniform.table_b = b as f32);
+        }
         let mut stale = false;
         if uniforms.len() > self.capacity {
             self.capacity = uniforms.len().next_power_of_two();
@@ -400,6 +422,7 @@ impl SkyRenderer {
         drop(pass);
         self.lights = lights;
         self.tonemap = frame.output.tonemap;
+        self.eclipsed = frame.shadow.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
         self.marching.clear();
@@ -410,6 +433,12 @@ impl SkyRenderer {
         }
         self.prepared = views.len();
         Ok(())
+    }
+
+    /// Limb darkening of the Sun at the four wavelengths.
+    fn limb_darkening(&self, frame: &FrameState) -> [[f64; 6]; 4] {
+        let coefficients = if frame.sun.limb_darkening { self.colours.limb_darkening } else { EVEN_DISC };
+        std::array::from_fn(|k| coefficients.map(|c| f64::from(c[k])))
     }
 
     fn frame_uniform(&self, frame: &FrameState, exposure: Option<f64>) -> FrameUniform {
@@ -425,6 +454,7 @@ impl SkyRenderer {
             compensation: compensation as f32,
             limb_darkening: if limb_darkening { self.colours.limb_darkening } else { EVEN_DISC },
             light_count: frame.suns().count() as u32,
+            bending: BendingUniform::new(&frame.bending),
             ..self.colours
         }
     }
@@ -481,7 +511,18 @@ impl SkyRenderer {
         let marching = self.marching.get(view_index).copied().unwrap_or(true);
         let pictures = [colour_in, depth, colour_out];
         let (group, views) = (&self.air.group, &self.view_group);
-        apply.record(&self.device, encoder, group, views, view_offset, view_index, pictures, air, marching)
+        apply.record(
+            &self.device,
+            encoder,
+            group,
+            views,
+            view_offset,
+            view_index,
+            pictures,
+            air,
+            marching,
+            self.eclipsed,
+        )
     }
 
     /// One `Rgba32Float` texel whose red is the prepared frame's exposure factor, metered or fixed, before
@@ -498,7 +539,12 @@ impl SkyRenderer {
 
     fn kind(&self, view_index: usize) -> Kind {
         let projection = self.views.get(view_index).map(|view| view.projection);
-        Kind { linear: matches!(projection, Some(Projection::Matrix(_))), several_lights: self.lights > 1, tonemap: self.tonemap }
+        Kind {
+            linear: matches!(projection, Some(Projection::Matrix(_))),
+            several_lights: self.lights > 1,
+            tonemap: self.tonemap,
+            eclipsed: self.eclipsed,
+        }
     }
 
     fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, kind: Kind, slot: usize) {
@@ -562,7 +608,8 @@ impl SkyRenderer {
             *slot = light(sun);
         }
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
-        let sky_view = u32::from(within && self.air.sizes.sky_view.is_some());
+        // An eclipse is not the same on both sides of the Sun.
+        let sky_view = u32::from(within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none());
         let (projection, half_angle) = match view.projection {
             Projection::Matrix(_) => (0, 0.0),
             Projection::Fisheye(span) => (1, 0.5 * span as f32),
@@ -587,6 +634,17 @@ impl SkyRenderer {
             horizon: himmel_air::geometry::horizon_cosine(radius_m, altitude_m).asin() as f32,
             tile_reach: tile_reach(view) as f32,
             lights,
+            disc: DiscUniform::new(
+                frame.sun.direction.normalize_or(DVec3::Z),
+                frame.sun.radius_rad,
+                frame.occluder.as_ref(),
+                view_from_enu,
+            ),
+            shadow: frame
+                .shadow
+                .as_ref()
+                .map_or_else(ShadowUniform::default, |shadow| ShadowUniform::new(shadow, view_from_enu)),
+            ..ViewUniform::default()
         };
         Ok((uniform, up, altitude_m))
     }
@@ -610,8 +668,7 @@ fn view_group(
 ) -> wgpu::BindGroup {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
-    let bound =
-        [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
+    let bound = [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
     bind(device, "sky view", layout, &bound)
 }
 
@@ -701,7 +758,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 4 * Tonemap::ALL.len()];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 8 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -712,6 +769,8 @@ struct Kind {
     several_lights: bool,
     /// How finished pictures are tone mapped.
     tonemap: Tonemap,
+    /// Whether something stands before the Sun.
+    eclipsed: bool,
 }
 
 fn none_made() -> Made {
@@ -723,12 +782,18 @@ impl Pipelines {
     fn make(&self, marching: bool) {
         let variants: &[Variant] = if marching { &[Variant::Marching] } else { &Variant::TILED };
         for variant in variants {
-            self.get(*variant, Kind { linear: true, several_lights: false, tonemap: OutputParams::default().tonemap });
+            self.get(
+                *variant,
+                Kind { linear: true, several_lights: false, tonemap: OutputParams::default().tonemap, eclipsed: false },
+            );
         }
     }
 
     fn get(&self, variant: Variant, kind: Kind) -> &wgpu::RenderPipeline {
-        let at = usize::from(kind.linear) + 2 * usize::from(kind.several_lights) + 4 * kind.tonemap as usize;
+        let at = usize::from(kind.linear)
+            + 2 * usize::from(kind.several_lights)
+            + 4 * usize::from(kind.eclipsed)
+            + 8 * kind.tonemap as usize;
         self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
@@ -765,6 +830,7 @@ fn sky_pipeline(
             ("metering", on(variant.metering())),
             ("marching", on(variant.marching())),
             ("several_lights", on(kind.several_lights)),
+            ("eclipses", on(kind.eclipsed)),
             ("tonemap_operator", f64::from(kind.tonemap as u32)),
             groups,
             aerosols,

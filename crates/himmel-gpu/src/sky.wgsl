@@ -64,7 +64,9 @@ fn tile_needs(tile: vec2u) -> vec3<bool> {
     for (var light = 0u; light < frame.light_count; light++) {
         needs.y = needs.y || dot(middle, view.lights[light].direction) > cos(AUREOLE_TO + reach);
         // A hundredth more: discs are widened to a pixel.
-        let disc = 1.1 * view.lights[light].radius + reach + 0.01;
+        // The corona reaches 12 radii.
+        let size = select(1.1, 12.0, light == 0u && view.disc.corona > 0.0);
+        let disc = size * view.lights[light].radius + reach + 0.01;
         needs.z = needs.z || disc > PI || dot(middle, view.lights[light].disc_direction) > cos(disc);
     }
     return select(needs, vec3<bool>(true, true, true), needs.z);
@@ -118,15 +120,17 @@ fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below
 fn light_radiance(light: u32, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
     var disc = vec4f(0.0);
     if with_disc && !below {
-        disc = sun_disc_radiance(light, ray, dx, dy);
+        disc = light_disc_radiance(light, ray, dx, dy);
     }
     var radiance = vec4f(0.0);
     var through = vec4f(1.0);
     if marching {
         let sun = view.lights[light].direction;
-        let start = enter(
+        var start = enter(
             view.altitude_m, mu, sin_theta, view.lights[light].mu_s, clamp(dot(ray, sun), -1.0, 1.0),
             angle_between(ray, sun));
+        start.direction = ray;
+        start.eclipsed = light == 0u;
         let altitude = min(view.altitude_m, airs[body].top_altitude_m);
         let horizon = asin(horizon_cosine(airs[body].bottom_radius_m, altitude));
         let row = elevation_texel(asin(start.mu), horizon, below, cell_rows());

@@ -103,7 +103,7 @@ impl MeasuredLight {
 /// A meter that is prepared for the air of a model. Times and places may change between measurements, the air may not.
 ///
 /// The star's own light comes from its refracted disc, or the part of it above the horizon, through the air along the
-/// straight line there (as the renderer has it); air is lit from its airless place, by moments and at first order as by a
+/// straight line there (as the renderer has it; no eclipse is in it: ask [`SkyModel::light`]); air is lit from its airless place, by moments and at first order as by a
 /// parallel beam, for the reference near the horizon by the disc.
 ///
 /// ```
@@ -363,7 +363,7 @@ fn first(model: &SkyModel, place: &SunPlace, star_at_1_au: f64) -> Result<Measur
         sun: *place,
         sun_normal_lx: light.sun.illuminance_lx,
         sun_horizontal_lx: light.sun.illuminance_lx * height,
-        sky_lx: exact(light.sky_illuminance_lx),
+        sky_lx: exact(air.xyz(sky).y * star_at_1_au),
         zenith_cd_m2: exact(air.xyz(zenith).y * star_at_1_au),
         spectrum: LightSpectrum {
             wavelengths_nm: air.wavelengths_nm().to_vec(),
@@ -451,6 +451,23 @@ mod tests {
             assert!((b.value / a.value - 1.0).abs() < 0.03 + 4.0 * error, "{a:?} {b:?}");
         }
         assert_eq!(measure(&model, FEW), all);
+    }
+
+    /// The light of the scene (four wavelengths, a coarse table, harmonics) against the meter with the whole table at
+    /// sixteen: 2 %, which is mostly what four wavelengths cost.
+    #[test]
+    fn the_lights_of_a_scene_are_what_the_meter_measures() {
+        let at = |altitude: &str| model(&[("light.sun.altitude_deg", altitude), ("observer.altitude_m", "10")]);
+        let meter = LightMeter::new(&at("30"), LightSolver::Moments).unwrap();
+        for altitude in ["60", "30", "10", "0", "-4"] {
+            let model = at(altitude);
+            let (light, measured) = (model.light().unwrap(), meter.measure(&model, &mut |_| true).unwrap());
+            let level = light.horizontal_illuminance_lx() / measured.horizontal_lx().value - 1.0;
+            let sky = light.sky_illuminance_lx / measured.sky_lx.value - 1.0;
+            let zenith = light.zenith_luminance_cd_m2 / measured.zenith_cd_m2.value - 1.0;
+            println!("{altitude}°: level {level:+.4}, sky {sky:+.4}, zenith {zenith:+.4}");
+            assert!(level.abs() < 0.02 && sky.abs() < 0.03 && zenith.abs() < 0.06, "{altitude}");
+        }
     }
 
     #[test]

@@ -1,22 +1,30 @@
 //! Everything about a sky but its GPU: where the Sun is, what its light amounts to, what a frame needs.
 
+use std::sync::{Arc, Mutex, PoisonError};
+
 use glam::DVec3;
+use himmel_air::eclipse::Shadow;
+use himmel_air::refraction::Bending;
+use himmel_air::scene_light::Eclipse;
 use himmel_air::single::Ray;
 use himmel_air::{Atmosphere, Preset};
 use himmel_astro::query::Target;
-use himmel_astro::{AirAtObserver, Body, Ephemeris, Fast, Instant, Place, Precise, observe};
+use himmel_astro::{Body, Ephemeris, Fast, Instant, Place, Precise, observe};
 use himmel_core::constants::{ASTRONOMICAL_UNIT_M, SUN_RADIUS_M};
-use himmel_gpu::{FrameState, Projection, SunState, View};
+use himmel_gpu::{FrameState, Occluder, Projection, SunState, View};
 use jiff::Timestamp;
 
 use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
-use crate::light::{Light, SunLight, pure_colour};
+use crate::light::{AmbientLight, Light, LightSource, SunLight, pure_colour};
 use crate::observer::Observer;
 use crate::scene::{ProjectionKind, Scene};
 
 /// Eyes above the ground, m.
 const EYE_HEIGHT_M: f64 = 2.0;
+/// The Moon farther than this from the Sun shades no air that one sees: its own parallax over 2,000 km is 0.3°, the two
+/// radii half a degree.
+const ECLIPSE_WITHIN_RAD: f64 = 0.05;
 
 /// Cells along a ray of the renderer's f64 twin.
 const TWIN_STEPS: usize = 48;
@@ -40,6 +48,8 @@ pub struct SkyModel {
     observer: Observer,
     clock: Clock,
     ephemeris: Box<dyn Ephemeris + Send + Sync>,
+    /// The bent sky of the altitude that was last asked for.
+    bending: Mutex<Option<(f64, Arc<Bending>)>>,
 }
 
 /// The Sun's place for an observer.
@@ -79,7 +89,8 @@ impl SkyModel {
                 Box::new(Fast)
             }
         };
-        Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris })
+        let bending = Mutex::new(None);
+        Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris, bending })
     }
 
     /// The settings as they were given; the clock may have run, and the observer moved, since.
@@ -163,6 +174,7 @@ impl SkyModel {
         }
         if air_changed || preset_changed {
             self.atmosphere = self.atmosphere.edited(&self.preset, &self.scene.air, &self.scene.ground);
+            self.bending = Mutex::new(None);
         }
         Ok(air_changed || preset_changed)
     }
@@ -180,48 +192,125 @@ impl SkyModel {
         let settings = &self.scene.sun;
         let azimuth_deg = settings.azimuth_deg.unwrap_or(seen.azimuth_rad.to_degrees()).rem_euclid(360.0);
         let airless_altitude_deg = settings.altitude_deg.unwrap_or(seen.altitude_rad.to_degrees());
-        let bend = if self.preset.refraction && self.scene.air.enabled {
-            AirAtObserver::at_height(self.altitude_m()).refraction_rad(airless_altitude_deg.to_radians())
-        } else {
-            0.0
-        };
         let distance_au =
             settings.distance_au.or(self.preset.sun_distance_au).unwrap_or(seen.distance_m / ASTRONOMICAL_UNIT_M);
         let radius_suns = self.preset.stars.first().map_or(1.0, |star| star.radius_suns);
         let sine = radius_suns * SUN_RADIUS_M / (distance_au * ASTRONOMICAL_UNIT_M);
         Ok(SunPlace {
             azimuth_deg,
-            altitude_deg: airless_altitude_deg + bend.to_degrees(),
+            altitude_deg: self.bending().apparent_rad(airless_altitude_deg.to_radians()).to_degrees(),
             airless_altitude_deg,
             distance_au,
             radius_deg: sine.min(1.0).asin().to_degrees(),
         })
     }
 
-    /// Direction and illuminance of the Sun, and the sky's, at the observer: the f64 twin of what is drawn.
+    /// How the air of the preset bends what is seen from the observer's altitude: two milliseconds for a new altitude.
+    pub fn bending(&self) -> Arc<Bending> {
+        let altitude_m = self.altitude_m();
+        let mut cached = self.bending.lock().unwrap_or_else(PoisonError::into_inner);
+        match cached.as_ref() {
+            Some((at_m, bending)) if *at_m == altitude_m => Arc::clone(bending),
+            _ => {
+                let bends = self.preset.refraction && self.scene.air.enabled;
+                let (medium, nm) = (self.atmosphere.medium(), self.atmosphere.wavelengths_nm());
+                let new = if bends { Bending::new(medium, &nm, altitude_m) } else { Bending::none() };
+                let new = Arc::new(new);
+                *cached = Some((altitude_m, Arc::clone(&new)));
+                new
+            }
+        }
+    }
+
+    /// The Moon, where it may stand before the Sun: by the ephemeris, so for the Earth's Sun at its own place and time.
+    pub fn occluder(&self) -> Result<Option<Occluder>> {
+        let settings = &self.scene.sun;
+        let elsewhere = settings.azimuth_deg.is_some() || settings.altitude_deg.is_some();
+        if elsewhere || settings.distance_au.or(self.preset.sun_distance_au).is_some() {
+            return Ok(None);
+        }
+        let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
+        let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
+        let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
+        let (sun, moon) = (observer.apparent(Body::Sun)?, observer.apparent(Body::Moon)?);
+        if sun.direction_enu.angle_between(moon.direction_enu) > ECLIPSE_WITHIN_RAD {
+            return Ok(None);
+        }
+        let apparent_rad = self.bending().apparent_rad(moon.altitude_rad);
+        Ok(Some(Occluder {
+            direction: moon.direction_enu,
+            disc_direction: direction_enu(moon.azimuth_rad.to_degrees(), apparent_rad.to_degrees()),
+            distance_m: moon.distance_m,
+            radius_m: Body::Moon.radius_m(),
+            angular_radius_rad: moon.semidiameter_rad(),
+        }))
+    }
+
+    /// The cone of the Moon's shadow in an eclipse that reaches the air around the observer.
+    pub fn shadow(&self) -> Result<Option<Shadow>> {
+        let Some(occluder) = self.occluder()? else { return Ok(None) };
+        let sun = self.sun()?;
+        let direction = direction_enu(sun.azimuth_deg, sun.airless_altitude_deg);
+        let radius_rad = (sun.radius_deg * self.scene.sun.radius_scale).to_radians();
+        let shadow = occluder.shadow(direction, radius_rad, sun.distance_au * ASTRONOMICAL_UNIT_M);
+        // What one sees of the air: to the top of it beyond the horizon.
+        let radius_m = self.atmosphere.medium().bottom_radius_m;
+        let reach_m = himmel_air::geometry::top_distance(
+            radius_m,
+            self.atmosphere.medium().top_altitude_m.max(self.altitude_m()),
+            self.altitude_m(),
+            himmel_air::geometry::horizon_cosine(radius_m, self.altitude_m()),
+        );
+        Ok(shadow.reaches(reach_m).then_some(shadow))
+    }
+
+    /// Limb darkening of the Sun at the four wavelengths, or an even disc.
+    pub fn limb_darkening(&self) -> [[f64; 6]; 4] {
+        match self.scene.sun.limb_darkening {
+            true => self.atmosphere.wavelengths_nm().map(himmel_air::sun::limb_darkening),
+            false => [[1.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 4],
+        }
+    }
+
+    /// The lights of the scene at the observer: the Sun with what an eclipse leaves of it, and sky and ground with all
+    /// orders of scattering.
+    ///
+    /// The first call after an edit of the air fills a coarse table of all orders (some tenths of a second); others take
+    /// some milliseconds. Nothing is read back from a GPU.
     pub fn light(&self) -> Result<Light> {
         let sun = self.sun()?;
+        let air = &self.atmosphere;
         let irradiance = self.scene.sun.brightness / (sun.distance_au * sun.distance_au);
-        let altitude_m = self.altitude_m();
+        let (shadow, limb) = (self.shadow()?, self.limb_darkening());
         let beam = self.beam()?.map(|b| b * irradiance);
-        let xyz = self.atmosphere.xyz(beam);
-        let rec709 = self.atmosphere.rec709(beam);
-        let mu_airless = sun.airless_altitude_deg.to_radians().sin();
-        let sky = if altitude_m < self.atmosphere.medium().top_altitude_m {
-            self.atmosphere.sky_irradiance(altitude_m, mu_airless).map(|e| e * irradiance)
-        } else {
-            [0.0; 4]
+        let (xyz, rec709) = (air.xyz(beam), air.rec709(beam));
+        let star = direction_enu(sun.azimuth_deg, sun.airless_altitude_deg);
+        let eclipse = shadow.as_ref().map(|shadow| Eclipse { shadow, limb: &limb });
+        let visible = shadow.as_ref().map_or([1.0; 4], |shadow| shadow.fraction(DVec3::ZERO, &limb));
+        let ambient = air.scene_light().at(&air.sampled(), air.columns(), self.altitude_m(), star, eclipse);
+        let luminous = |relative: [f64; 4]| air.xyz(relative.map(|value| value * irradiance)).y.max(0.0);
+        let colour = |relative: [f64; 4]| air.rec709(relative.map(|value| value * irradiance));
+        let direct = SunLight {
+            direction_enu: direction_enu(sun.azimuth_deg, sun.altitude_deg),
+            azimuth_deg: sun.azimuth_deg,
+            altitude_deg: sun.altitude_deg,
+            colour: pure_colour(rec709),
+            illuminance_lx: xyz.y.max(0.0),
         };
         Ok(Light {
-            sun: SunLight {
-                direction_enu: direction_enu(sun.azimuth_deg, sun.altitude_deg),
-                azimuth_deg: sun.azimuth_deg,
-                altitude_deg: sun.altitude_deg,
-                colour: pure_colour(rec709),
-                illuminance_lx: xyz.y.max(0.0),
-            },
-            sky_illuminance_lx: self.atmosphere.xyz(sky).y.max(0.0),
-            sky_colour: pure_colour(self.atmosphere.rec709(sky)),
+            sources: vec![LightSource {
+                name: self.preset.stars.first().map_or_else(|| "Sun".into(), |star| star.name.clone()),
+                direction_enu: direct.direction_enu,
+                colour: direct.colour,
+                illuminance_lx: direct.illuminance_lx,
+            }],
+            sun: direct,
+            sky_illuminance_lx: luminous(ambient.down),
+            sky_colour: pure_colour(colour(ambient.down)),
+            ground_illuminance_lx: luminous(ambient.up),
+            zenith_luminance_cd_m2: luminous(ambient.zenith_per_sr),
+            ambient: AmbientLight { harmonics_cd_m2: ambient.harmonics.map(|four| colour(four).to_array()) },
+            eclipse_fraction: luminous(visible) / luminous([1.0; 4]).max(f64::MIN_POSITIVE),
         })
     }
 
@@ -232,7 +321,12 @@ impl SkyModel {
         let lowest_mu = himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, altitude_m);
         // A disc that touches the horizon shines from its visible part, just above it.
         let mu = sun.altitude_deg.to_radians().sin().max(lowest_mu + 1e-9);
-        Ok(self.atmosphere.sun_transmittance(altitude_m, mu).map(|t| t * visible))
+        let eclipse = match self.shadow()? {
+            Some(shadow) => shadow.fraction(DVec3::ZERO, &self.limb_darkening()),
+            None => [1.0; 4],
+        };
+        let through = self.atmosphere.sun_transmittance(altitude_m, mu);
+        Ok(std::array::from_fn(|k| through[k] * visible * eclipse[k]))
     }
 
     /// Altitude of the geometric horizon, degrees (zero or negative).
@@ -256,6 +350,9 @@ impl SkyModel {
                 limb_darkening: settings.limb_darkening,
             },
             other_suns: Vec::new(),
+            occluder: self.occluder()?,
+            shadow: self.shadow()?,
+            bending: self.bending(),
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),
         })
@@ -300,12 +397,7 @@ impl SkyModel {
         let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
         let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
         let seen = target.apparent(&himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?)?;
-        let bend = if self.preset.refraction && self.scene.air.enabled {
-            AirAtObserver::at_height(self.altitude_m()).refraction_rad(seen.altitude_rad)
-        } else {
-            0.0
-        };
-        Ok((seen.azimuth_rad.to_degrees(), (seen.altitude_rad + bend).to_degrees()))
+        Ok((seen.azimuth_rad.to_degrees(), self.bending().apparent_rad(seen.altitude_rad).to_degrees()))
     }
 
     /// The scene's camera as a view.
@@ -439,6 +531,55 @@ mod tests {
         scene.set("observer.place", "Paranal").unwrap();
         model.set_scene(&scene).unwrap();
         assert_eq!(model.utc(), now);
+    }
+
+    fn model(settings: &[(&str, &str)]) -> SkyModel {
+        let mut scene = Scene::default();
+        for (key, value) in settings {
+            scene.set(key, value).unwrap();
+        }
+        SkyModel::new(&scene).unwrap()
+    }
+
+    /// The level surface gets what harmonics say; more orders than one; asked twice, the table is there.
+    #[test]
+    fn the_lights_of_a_scene_agree() {
+        for altitude in ["60", "10", "-4"] {
+            let model = model(&[("light.sun.altitude_deg", altitude), ("observer.altitude_m", "10")]);
+            let light = model.light().unwrap();
+            let up = light.ambient.irradiance_lx(DVec3::Z);
+            let difference = (up - light.sky_rgb_lx()).abs().max_element();
+            assert!(difference < 0.03 * light.sky_illuminance_lx, "{altitude}: {up} {}", light.sky_rgb_lx());
+            assert!(light.ground_illuminance_lx > 0.0 && light.zenith_luminance_cd_m2 > 0.0);
+            assert_eq!((light.sources.len(), light.eclipse_fraction), (1, 1.0));
+            assert_eq!(light.sources[0].illuminance_lx, light.sun.illuminance_lx);
+            assert_eq!(model.light().unwrap(), light);
+        }
+    }
+
+    /// Mazatlán, 2024-04-08: totality from 18:07:25 to 18:11:45 UTC. Partial before, the day is back after.
+    #[test]
+    fn the_eclipse_of_2024() {
+        let at = |time: &str| {
+            let model =
+                model(&[("observer.place", "23.2494, -106.4111"), ("observer.altitude_m", "10"), ("clock.time", time)]);
+            (model.light().unwrap(), model.occluder().unwrap())
+        };
+        let (before, _) = at("2024-04-08T16:00Z");
+        let (partial, _) = at("2024-04-08T17:30Z");
+        let (total, moon) = at("2024-04-08T18:09:35Z");
+        let lux = |light: &Light| light.horizontal_illuminance_lx();
+        println!("{:.0} lx, partial {:.0} lx, total {:.2} lx", lux(&before), lux(&partial), lux(&total));
+        println!("zenith {:.2e} cd/m²", total.zenith_luminance_cd_m2);
+        assert_eq!((before.eclipse_fraction, total.eclipse_fraction), (1.0, 0.0));
+        assert!((0.2..0.8).contains(&partial.eclipse_fraction), "{}", partial.eclipse_fraction);
+        // 1 to 20 lx are measured in totalities.
+        assert!((0.2..40.0).contains(&lux(&total)), "{}", lux(&total));
+        let moon = moon.unwrap();
+        assert!((moon.angular_radius_rad.to_degrees() * 60.0 - 16.6).abs() < 0.4);
+        assert!((moon.distance_m / 3.54e8 - 1.0).abs() < 0.02);
+        let (after, none) = at("2024-04-10T18:00Z");
+        assert!(none.is_none() && after.eclipse_fraction == 1.0);
     }
 
     #[test]

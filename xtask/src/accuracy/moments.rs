@@ -2,12 +2,12 @@
 
 use std::fmt::Write as _;
 
+use himmel::{Gpu, RayMeter};
 use himmel_air::hillaire::{Hillaire, Settings};
+use himmel_air::medium::Sampled;
 use himmel_air::moments::{Moments, Quality, radiance};
 use himmel_air::reference::{Effort, Source, Tracer, for_each_parallel};
 use himmel_air::single::Ray;
-use himmel::{Gpu, RayMeter};
-use himmel_air::medium::Sampled;
 use himmel_air::{AirParams, Atmosphere, Columns, GroundParams, Preset};
 
 use super::{Random, Work, quantile, view};

@@ -21,7 +21,8 @@ moments:    all orders by the table of moments; half a minute for the table, the
 reference:  all orders by the Monte Carlo tracer at sixteen wavelengths, with standard errors.
 
 Sun means the preset's first star. Its own light comes from its refracted disc, or what of it is above the horizon; the air is
-lit from its airless place. A level surface looks up. The zenith is without the disc. --json adds spectra in W m-2 nm-1.")]
+lit from its airless place. A level surface looks up. The zenith is without the disc. --json adds
+spectra in W m-2 nm-1 and the scene's light as a host gets it: nine harmonics of ambient radiance, what an eclipse leaves of the Sun.")]
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
@@ -80,10 +81,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         let light = meter.measure(&model, &mut |share| progress.update(share))?;
         drop(progress);
         if args.json {
-            return write(&pretty(&object(args, &model, &light))?, to_file);
+            return write(&pretty(&object(args, &model, &light)?)?, to_file);
         }
-        print(args, &model, &light);
-        return Ok(());
+        return print(args, &model, &light);
     };
     let (mut rows, count) = (Vec::new(), times.len());
     let mut table = csv::Writer::from_writer(Vec::new());
@@ -100,7 +100,7 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
             Err(error) => return Err(error.into()),
         };
         if args.json {
-            rows.push(object(args, &model, &light));
+            rows.push(object(args, &model, &light)?);
         } else {
             table.write_record(fields(&model, &light)).map_err(fail)?;
         }
@@ -213,7 +213,7 @@ fn fields(model: &SkyModel, light: &MeasuredLight) -> Vec<String> {
     [model.utc().to_string()].into_iter().chain(numbers(light).map(number)).collect()
 }
 
-fn object(args: &Args, model: &SkyModel, light: &MeasuredLight) -> serde_json::Value {
+fn object(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<serde_json::Value, Failure> {
     let mut object = serde_json::Map::new();
     let (observer, spectrum) = (model.observer(), &light.spectrum);
     object.insert(COLUMNS[0].into(), model.utc().to_string().into());
@@ -243,11 +243,20 @@ fn object(args: &Args, model: &SkyModel, light: &MeasuredLight) -> serde_json::V
         "zenith_w_m2_sr_nm": spectrum.zenith,
     });
     object.insert("spectrum".into(), spectrum);
-    object.into()
+    let scene = model.light()?;
+    let ambient = serde_json::json!({
+        "basis": "real harmonics l <= 2 of (east, north, up): 1, y, z, x, xy, yz, 3zz-1, xz, xx-yy, orthonormal; linear Rec. 709",
+        "harmonics_cd_m2": scene.ambient.harmonics_cd_m2,
+    });
+    object.insert("ambient".into(), ambient);
+    object.insert("ground_illuminance_lx".into(), scene.ground_illuminance_lx.into());
+    object.insert("eclipse_fraction".into(), scene.eclipse_fraction.into());
+    object.insert("limiting_magnitude".into(), scene.limiting_magnitude().into());
+    Ok(object.into())
 }
 
 /// For people.
-fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) {
+fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<(), Failure> {
     let (sun, observer, spectrum) = (&light.sun, model.observer(), &light.spectrum);
     let error = |measured: himmel::Measured| {
         measured
@@ -279,6 +288,17 @@ fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) {
     out!("  sky        {} lx{}", digits(light.sky_lx.value), error(light.sky_lx));
     out!("  together   {} lx{}", digits(total.value), error(total));
     out!("zenith       {} cd/m²{}", digits(light.zenith_cd_m2.value), error(light.zenith_cd_m2));
+    let scene = model.light()?;
+    out!("stars        to magnitude {:.1} there", scene.limiting_magnitude());
+    if scene.eclipse_fraction < 1.0 {
+        // The solvers' skies are lit by a whole Sun: the scene's light is the one that knows.
+        out!("eclipse      {:.2} % of the Sun's light is left; in it", 100.0 * scene.eclipse_fraction);
+        out!("  sun        {} lx on a surface that faces it", digits(scene.sun.illuminance_lx));
+        out!(
+            "  sky        {} lx (the sky above, and the spectrum, are those of a whole Sun)",
+            digits(scene.sky_illuminance_lx)
+        );
+    }
     out!("spectrum, W m⁻² nm⁻¹ on a level surface");
     out!("  {:>8}  {:>10}  {:>10}", "nm", "sun", "sky");
     for ((nm, sun), sky) in spectrum.wavelengths_nm.iter().zip(&spectrum.sun_horizontal).zip(&spectrum.sky_horizontal) {
@@ -290,6 +310,7 @@ fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) {
         "moments" => out!("solver       moments"),
         _ => out!("solver       reference, {} paths, seed {}", args.samples, args.seed),
     }
+    Ok(())
 }
 
 /// Four digits, for people.

@@ -77,6 +77,19 @@ pub fn radiance<const N: usize>(
     })
 }
 
+/// As [`radiance`] without what aerosols scatter into their forward peaks, which counts as sunlight: smooth enough for
+/// sums over few directions.
+pub fn smooth_radiance<const N: usize>(
+    air: &Sampled<'_, N>,
+    columns: &Columns,
+    moments: &Moments<N>,
+    ray: &Ray,
+    steps: usize,
+) -> [f64; N] {
+    let Some(view) = view(air, ray) else { return [0.0; N] };
+    march(air, columns, moments, &view, steps, false).s.map(|light| light.max(0.0))
+}
+
 /// Irradiance of a level surface by Sun and sky, per unit spectral irradiance of the Sun.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Irradiance<const N: usize> {

@@ -44,7 +44,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use frame::{Irradiance, irradiance, radiance};
+pub use frame::{Irradiance, irradiance, radiance, smooth_radiance};
 pub use prepared::{Aerosol, Prepared, Species};
 pub use quality::Quality;
 pub use table::sun_columns;
@@ -166,6 +166,13 @@ impl<const N: usize> Moments<N> {
             }
         }
         light
+    }
+
+    /// Sunlight on a surface that faces the Sun, with what aerosols scatter into their forward peak around it: 0 below the
+    /// horizon. `columns`: those the table was built with.
+    pub fn sun_with_peaks(&self, columns: &Columns, altitude_m: f64, mu_s: f64) -> [f64; N] {
+        let horizon = crate::geometry::horizon_cosine(self.table.mapping.radius_m, altitude_m);
+        if mu_s > horizon { self.sun(columns, altitude_m, mu_s).0 } else { [0.0; N] }
     }
 
     /// Transmittance of the scaled medium from a point to the Sun, which must stand above the horizon, and the optical

@@ -121,9 +121,7 @@ impl<const N: usize> Peaks<N> {
         // factors[depth][l][k]
         let factors: Vec<Vec<[[f64; 2]; N]>> = (0..depths)
             .map(|d| depth_of(d, depths))
-            .map(|tau| {
-                beam.iter().map(|chi| std::array::from_fn(|k| factors(chi[k], ratio[k] * tau))).collect()
-            })
+            .map(|tau| beam.iter().map(|chi| std::array::from_fn(|k| factors(chi[k], ratio[k] * tau))).collect())
             .collect();
         let one = |s: &Scatterer<N>| {
             let mut nodes = vec![[[0.0; N]; 2]; angles * depths];

@@ -24,9 +24,9 @@ use himmel_air::{Atmosphere, geometry, sun};
 
 use super::medium::Arrays;
 use super::passes::{TablePass, picture_pipeline, table};
-use crate::output::params::Tonemap;
 use crate::error::GpuError;
 use crate::layout::gpu_struct;
+use crate::output::params::Tonemap;
 use crate::renderer::FrameState;
 use crate::shader;
 use crate::target::Target;

@@ -8,8 +8,8 @@ use himmel_air::single::Ray;
 use himmel_air::{AirParams, Atmosphere, Columns, GroundParams, Preset, geometry};
 
 use super::{Hillaire, Redo, Stage};
-use crate::output::params::Tonemap;
 use crate::gpu::Gpu;
+use crate::output::params::Tonemap;
 use crate::output::params::{Exposure, OutputParams};
 use crate::renderer::{FrameState, SunState};
 use crate::view::{Projection, View};
@@ -30,19 +30,16 @@ fn atmosphere(preset: &str) -> Atmosphere {
 /// The Sun in the south.
 fn frame(sun_elevation_rad: f64) -> FrameState {
     let direction = DVec3::new(0.0, -sun_elevation_rad.cos(), sun_elevation_rad.sin());
-    FrameState {
-        sun: SunState {
-            direction,
-            disc_direction: direction,
-            radius_rad: 0.0047,
-            irradiance: [1.0; 4],
-            disc: true,
-            limb_darkening: true,
-        },
-        other_suns: Vec::new(),
-        altitude_m: ALTITUDE_M,
-        output: OutputParams { exposure: Some(Exposure::Ev100(14.0)), ..OutputParams::default() },
-    }
+    let sun = SunState {
+        direction,
+        disc_direction: direction,
+        radius_rad: 0.0047,
+        irradiance: [1.0; 4],
+        disc: true,
+        limb_darkening: true,
+    };
+    let output = OutputParams { exposure: Some(Exposure::Ev100(14.0)), ..OutputParams::default() };
+    FrameState::new(sun, ALTITUDE_M, output)
 }
 
 fn southward(aspect: f64) -> View {
@@ -93,7 +90,8 @@ fn the_sky_view_is_that_of_the_twin() {
         let atmosphere = atmosphere(preset);
         let (air, columns) = (atmosphere.sampled(), Columns::new(atmosphere.medium()));
         let twin = hillaire::Hillaire::build(&air, &columns, &Settings::USUAL);
-        let mut hillaire = Hillaire::new(&gpu.device, &gpu.queue, &Stage::target(), &atmosphere, Tonemap::AgxPunchy).unwrap();
+        let mut hillaire =
+            Hillaire::new(&gpu.device, &gpu.queue, &Stage::target(), &atmosphere, Tonemap::AgxPunchy).unwrap();
         let mut stage = Stage::new(&gpu, 16, 16).unwrap();
         for sun_elevation_deg in [60.0f64, 5.0, -2.0] {
             let sun_elevation_rad = sun_elevation_deg.to_radians();
@@ -132,7 +130,8 @@ fn the_picture_is_a_sky() {
     let gpu = gpu();
     let atmosphere = atmosphere("earth");
     let (width, height) = (192, 108);
-    let mut hillaire = Hillaire::new(&gpu.device, &gpu.queue, &Stage::target(), &atmosphere, Tonemap::AgxPunchy).unwrap();
+    let mut hillaire =
+        Hillaire::new(&gpu.device, &gpu.queue, &Stage::target(), &atmosphere, Tonemap::AgxPunchy).unwrap();
     let mut stage = Stage::new(&gpu, width, height).unwrap();
     let view = southward(f64::from(width) / f64::from(height));
     stage.hillaire(&mut hillaire, &frame(0.3), &view, Redo::Everything).unwrap();
@@ -148,7 +147,8 @@ fn the_picture_is_a_sky() {
 #[test]
 fn what_it_cannot_show_is_refused() {
     let gpu = gpu();
-    let mut hillaire = Hillaire::new(&gpu.device, &gpu.queue, &Stage::target(), &atmosphere("earth"), Tonemap::AgxPunchy).unwrap();
+    let mut hillaire =
+        Hillaire::new(&gpu.device, &gpu.queue, &Stage::target(), &atmosphere("earth"), Tonemap::AgxPunchy).unwrap();
     let mut refuse = |frame: &FrameState, view: &View| {
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
         hillaire.prepare(&mut encoder, frame, view, Redo::SkyOnly).unwrap_err().to_string()

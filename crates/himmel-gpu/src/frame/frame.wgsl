@@ -1,6 +1,8 @@
 // What every pass knows: one uniform for the frame, one for each view.
 // Field order and sizes are mirrored in frame/mod.rs; a test compares the offsets.
 
+//#include "phenomena/sun/disc.wgsl"
+
 // Lights that a frame may have: suns, and moons once they are drawn.
 const MOST_LIGHTS: u32 = 4u;
 
@@ -25,6 +27,8 @@ struct FrameUniform {
     // Added to automatic exposure, as a factor.
     compensation: f32,
     light_count: u32,
+    // How the air bends what is seen.
+    bending: BendingUniform,
 }
 
 // A sun as a view sees it.
@@ -73,8 +77,18 @@ struct ViewUniform {
     // Angle from the middle of a tile of the picture to its corners, at most, rad.
     tile_reach: f32,
     lights: array<LightUniform, 4>,
+    // The first light's disc, and the shadow of what stands before it.
+    disc: DiscUniform,
+    shadow: ShadowUniform,
+    // Radius of the occluder, in radii of the Sun, that the eclipse table is made for.
+    table_b: f32,
+    padding_0: f32,
+    padding_1: f32,
+    padding_2: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: FrameUniform;
 @group(0) @binding(6) var exposure_texture: texture_2d<f32>;
+// Visible part of the Sun over the separation of the discs, see `eclipse.wgsl`.
+@group(0) @binding(8) var eclipse_table: texture_2d<f32>;
 @group(1) @binding(0) var<uniform> view: ViewUniform;

@@ -1,6 +1,7 @@
 //! What every pass knows: the uniforms of the frame and of a view.
 
 use crate::layout::gpu_struct;
+use crate::phenomena::sun::{BendingUniform, DiscUniform, ShadowUniform};
 
 /// Most lights of a frame: suns, and moons once they are drawn.
 pub const MOST_LIGHTS: usize = 4;
@@ -32,6 +33,8 @@ gpu_struct! {
         pub compensation: f32,
         /// Lights in use.
         pub light_count: u32,
+        /// How the air bends what is seen.
+        pub bending: BendingUniform,
     }
 }
 
@@ -92,5 +95,17 @@ gpu_struct! {
         pub tile_reach: f32,
         /// The lights.
         pub lights: [LightUniform; MOST_LIGHTS],
+        /// The first light's disc.
+        pub disc: DiscUniform,
+        /// The shadow of what stands before it.
+        pub shadow: ShadowUniform,
+        /// Occluder's radius of the eclipse table.
+        pub table_b: f32,
+        /// Fills up.
+        pub padding_0: f32,
+        /// Fills up.
+        pub padding_1: f32,
+        /// Fills up.
+        pub padding_2: f32,
     }
 }

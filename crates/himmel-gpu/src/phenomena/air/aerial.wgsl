@@ -64,7 +64,10 @@ fn sight_ray(sight: Sight, light: u32) -> AirRay {
     let mu = dot(sight.direction, up);
     let sine = length(cross(sight.direction, up));
     let nu = clamp(dot(sight.direction, sun), -1.0, 1.0);
-    return enter(altitude, mu, sine, dot(sun, up), nu, angle_between(sight.direction, sun));
+    var ray = enter(altitude, mu, sine, dot(sun, up), nu, angle_between(sight.direction, sun));
+    ray.direction = sight.direction;
+    ray.eclipsed = light == 0u;
+    return ray;
 }
 
 // Share of the first light that the host's geometry lets through at a point.

@@ -60,7 +60,7 @@ pub(crate) struct Apply {
     apply_layout: wgpu::BindGroupLayout,
     constants: [(&'static str, f64); 2],
     module: wgpu::ShaderModule,
-    pipelines: Vec<(wgpu::TextureFormat, bool, bool, wgpu::RenderPipeline)>,
+    pipelines: Vec<(wgpu::TextureFormat, [bool; 3], wgpu::RenderPipeline)>,
     froxels: Option<Froxels>,
     no_shadow: wgpu::TextureView,
     no_volume: wgpu::TextureView,
@@ -93,11 +93,7 @@ fn volume(device: &wgpu::Device, label: &str, side: u32) -> wgpu::TextureView {
 }
 
 impl Apply {
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        air: &Air,
-        view_layout: &wgpu::BindGroupLayout,
-    ) -> Result<Self, GpuError> {
+    pub(crate) fn new(device: &wgpu::Device, air: &Air, view_layout: &wgpu::BindGroupLayout) -> Result<Self, GpuError> {
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let uniform_stride = (size_of::<ApplyUniform>() as u64).next_multiple_of(alignment);
         let uniforms = device.create_buffer(&wgpu::BufferDescriptor {
@@ -221,6 +217,7 @@ impl Apply {
         pictures: [&wgpu::TextureView; 3],
         apply: &ApplyAir<'_>,
         marching: bool,
+        eclipsed: bool,
     ) -> Result<(), GpuError> {
         let [colour_in, depth, colour_out] = pictures;
         check(pictures, apply)?;
@@ -229,10 +226,8 @@ impl Apply {
         let shafts = apply.shadow.is_some();
         let from_froxels = self.froxels.is_some() && !marching && !shafts;
         if let (Some(froxels), true) = (&self.froxels, from_froxels) {
-            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-                label: Some("froxels"),
-                ..Default::default()
-            });
+            let mut pass = encoder
+                .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("froxels"), ..Default::default() });
             pass.set_pipeline(&froxels.pipeline);
             pass.set_bind_group(0, air_group, &[]);
             pass.set_bind_group(1, view_group, &[view_offset]);
@@ -240,12 +235,13 @@ impl Apply {
             pass.dispatch_workgroups(froxels.side.div_ceil(8), froxels.side.div_ceil(8), 1);
         }
         let format = colour_out.texture().format();
-        let known = |(f, a, b, _): &(wgpu::TextureFormat, bool, bool, _)| (*f, *a, *b) == (format, from_froxels, shafts);
+        let kind = [from_froxels, shafts, eclipsed];
+        let known = |(f, k, _): &(wgpu::TextureFormat, [bool; 3], _)| (*f, *k) == (format, kind);
         let index = match self.pipelines.iter().position(known) {
             Some(index) => index,
             None => {
-                let pipeline = self.pipeline(device, format, from_froxels, shafts);
-                self.pipelines.push((format, from_froxels, shafts, pipeline));
+                let pipeline = self.pipeline(device, format, kind);
+                self.pipelines.push((format, kind, pipeline));
                 self.pipelines.len() - 1
             }
         };
@@ -271,7 +267,7 @@ impl Apply {
             color_attachments: &[Some(crate::phenomena::cleared(colour_out))],
             ..Default::default()
         });
-        pass.set_pipeline(&self.pipelines[index].3);
+        pass.set_pipeline(&self.pipelines[index].2);
         pass.set_bind_group(0, air_group, &[]);
         pass.set_bind_group(1, view_group, &[view_offset]);
         pass.set_bind_group(2, &group, &[offset]);
@@ -283,8 +279,7 @@ impl Apply {
         &self,
         device: &wgpu::Device,
         format: wgpu::TextureFormat,
-        from_froxels: bool,
-        shafts: bool,
+        [from_froxels, shafts, eclipsed]: [bool; 3],
     ) -> wgpu::RenderPipeline {
         let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("apply air"),
@@ -296,6 +291,7 @@ impl Apply {
             self.constants[1],
             ("from_froxels", f64::from(u8::from(from_froxels))),
             ("shafts", f64::from(u8::from(shafts))),
+            ("eclipses", f64::from(u8::from(eclipsed))),
         ];
         device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("apply air"),

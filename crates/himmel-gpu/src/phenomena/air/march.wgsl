@@ -1,6 +1,7 @@
 // A ray through the air with all orders of scattering, and what the air leaves of the light behind it.
 // Twin of himmel_air::moments::radiance.
 
+//#include "frame/frame.wgsl"
 //#include "phenomena/air/medium.wgsl"
 //#include "phenomena/ground/ground.wgsl"
 
@@ -17,6 +18,11 @@ override split_peaks: bool = false;
 // 1: none.
 override group_cells: u32 = 1u;
 
+// Whether something stands before the first light: its shadow is followed through the air.
+override eclipses: bool = false;
+// Light that is scattered more than once comes from so far around, m.
+const BLUR_M: f32 = 150e3;
+
 // Where the cells of a ray lie: distances over the ray's length at shares 0..1 of the cells (columns), for elevations
 // (rows, as `elevation_row`). x: of the whole ray; y: by what each stretch scatters, flattened.
 @group(1) @binding(1) var cell_table: texture_2d_array<f32>;
@@ -32,6 +38,9 @@ struct AirRay {
     // Distance from the viewer to the start.
     before_m: f32,
     misses: bool,
+    // In view space, and whether something stands before its light: for eclipses.
+    direction: vec3f,
+    eclipsed: bool,
 }
 
 struct AirMarch {
@@ -52,7 +61,7 @@ struct AirMarch {
 
 // sin_theta: sine of the ray's zenith angle, taken from vectors because 1 − µ² cancels far from the planet.
 fn enter(altitude_m: f32, mu: f32, sin_theta: f32, mu_s: f32, nu: f32, theta: f32) -> AirRay {
-    var ray = AirRay(altitude_m, mu, mu_s, nu, theta, 0.0, false);
+    var ray = AirRay(altitude_m, mu, mu_s, nu, theta, 0.0, false, vec3f(0.0), false);
     let top = airs[body].top_altitude_m;
     if altitude_m <= top {
         return ray;
@@ -279,6 +288,23 @@ fn begin_group(m: ptr<function, Marcher>, t: f32) {
     (*m).sun_peak = peak_to_space(h, mu_s);
 }
 
+// What an eclipse leaves of the light at a distance along a ray: of the Sun's, and of what is scattered more than once.
+struct Eclipsed {
+    sun: vec4f,
+    sky: vec4f,
+}
+
+fn eclipse_at(ray: AirRay, t: f32) -> Eclipsed {
+    if !eclipses || !ray.eclipsed {
+        return Eclipsed(vec4f(1.0), vec4f(1.0));
+    }
+    let offset = ray.direction * (ray.before_m + t);
+    return Eclipsed(
+        eclipse_fraction_from(eclipse_table, view.table_b, view.shadow, offset),
+        eclipse_fraction_blurred(eclipse_table, view.table_b, view.shadow, offset, view.up, BLUR_M),
+    );
+}
+
 // Adds a cell. lit: share of the Sun's light that reaches it, but for the air.
 fn add_cell(m: ptr<function, Marcher>, middle: f32, dt: f32, lit: f32) {
     let start = (*m).start;
@@ -296,7 +322,8 @@ fn add_cell(m: ptr<function, Marcher>, middle: f32, dt: f32, lit: f32) {
         (*m).ratios = moment_ratios(coordinate, column.x);
         (*m).sun_peak = peak_to_space(h, mu_s);
     }
-    let g = moment_g(coordinate, column);
+    let eclipsed = eclipse_at(start, middle);
+    let g = eclipsed.sky * moment_g(coordinate, column);
     let axes = frame_of_sun(mu, mu_s, nu);
     var source_scaled = g * scattered((*m).ratios, local.scaled_0, local.scaled_1, local.scaled_2, mu, axes);
     var source_whole = vec4f(0.0);
@@ -307,7 +334,7 @@ fn add_cell(m: ptr<function, Marcher>, middle: f32, dt: f32, lit: f32) {
     let cell = pass_cell(local.extinction - local.peak, dt);
     let cell_whole = pass_cell(local.extinction, dt);
     // Not a branch: no lane of a group would skip it alone.
-    let sun = lit * scaled_to_space(h, mu_s);
+    let sun = lit * eclipsed.sun * scaled_to_space(h, mu_s);
     let smooth_light = local.scaled_0 + 3.0 * nu * local.scaled_1 + 5.0 * (*m).second * local.scaled_2;
     source_scaled += sun * smooth_light / (4.0 * PI);
     if aerosols > 0u {
@@ -451,7 +478,8 @@ fn march_air(start: AirRay, cell_row: f32, steps: u32, limit_m: f32) -> AirMarch
     }
     var reflected = vec4f(0.0);
     if hits_ground {
-        reflected = ground_radiance(ground_mu_s);
+        let eclipsed = eclipse_at(start, ground);
+        reflected = ground_radiance(ground_mu_s, eclipsed.sun, eclipsed.sky);
     }
     var result = end_march(&m, reflected);
     result.hits_ground = hits_ground;

@@ -18,15 +18,16 @@ mod stations;
 mod tables;
 pub mod uniform;
 
+use himmel_air::eclipse::EclipseTable;
 use himmel_air::moments::Prepared;
 use himmel_air::{AirQuality, Atmosphere};
 
 use crate::error::GpuError;
 use crate::frame::FrameUniform;
 use crate::pass::{Bound, Slot, bind, layers, layout};
-use build::{Builder, Pace, Rebuild};
 pub(crate) use apply::Apply;
 pub use apply::{ApplyAir, ApplyUniform, ShadowMap};
+use build::{Builder, Pace, Rebuild};
 pub use query::{Query, RayAnswer, RayMeter};
 pub use sizes::AirSizes;
 pub(crate) use stations::{Stations, view_slot};
@@ -42,6 +43,9 @@ pub(crate) struct Air {
     pub layout: wgpu::BindGroupLayout,
     pub group: wgpu::BindGroup,
     peak_layers: usize,
+    eclipse: wgpu::Texture,
+    /// Radius of the occluder that the eclipse table holds; 0: none.
+    eclipse_b: f64,
     frame_buffer: wgpu::Buffer,
     exposure: wgpu::TextureView,
 }
@@ -81,10 +85,12 @@ impl Air {
             (5, Slot::Layers),
             (6, Slot::Table),
             (7, Slot::Table),
+            (8, Slot::Table),
         ];
         let layout = layout(device, "air", wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE, &slots);
         let textures = [&tables.density, &tables.depth, &tables.moments, &tables.peaks].map(layers);
         let ground = tables.ground.create_view(&Default::default());
+        let eclipse = tables::eclipse_texture(device);
         let group = bind(
             device,
             "air",
@@ -98,6 +104,7 @@ impl Air {
                 (5, Bound::View(&textures[3])),
                 (6, Bound::View(exposure)),
                 (7, Bound::View(&ground)),
+                (8, Bound::View(&eclipse.create_view(&Default::default()))),
             ],
         );
         let mut builder = Builder::new(device, queue, &sizes, &tables)?;
@@ -111,6 +118,8 @@ impl Air {
             layout,
             group,
             peak_layers,
+            eclipse,
+            eclipse_b: 0.0,
             frame_buffer: frame_buffer.clone(),
             exposure: exposure.clone(),
         })
@@ -141,6 +150,18 @@ impl Air {
     /// Values of the shaders' overrides for the air in hand.
     pub(crate) fn constants(&self) -> [(&'static str, f64); 2] {
         self.tables.constants()
+    }
+
+    /// Makes the eclipse table fit an occluder of so many radii of the Sun; returns the radius that it holds for.
+    pub(crate) fn eclipse(&mut self, queue: &wgpu::Queue, b: f64, limb: &[[f64; 6]; 4]) -> f64 {
+        // A tenth of a per cent: the table is good to 1e-3 half a per cent away.
+        if (b / self.eclipse_b.max(1e-12) - 1.0).abs() > 1e-3 {
+            let table = EclipseTable::new(b, limb);
+            let texels: Vec<[f32; 4]> = table.texels.iter().map(|texel| texel.map(|value| value as f32)).collect();
+            tables::write(queue, &self.eclipse, 0, &texels);
+            self.eclipse_b = b;
+        }
+        self.eclipse_b
     }
 
     /// Makes room for stations and lights; true if bind groups with the stations' tables are stale.

@@ -67,11 +67,7 @@ pub struct RayMeter {
 impl RayMeter {
     /// Compiles the passes and fills the air's tables to the last order. `progress` is told the share done and answers
     /// whether to go on.
-    pub fn new(
-        gpu: &Gpu,
-        atmosphere: &Atmosphere,
-        progress: &mut dyn FnMut(f64) -> bool,
-    ) -> Result<Self, GpuError> {
+    pub fn new(gpu: &Gpu, atmosphere: &Atmosphere, progress: &mut dyn FnMut(f64) -> bool) -> Result<Self, GpuError> {
         let device = &gpu.device;
         let uniform = wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST;
         let storage = wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST | wgpu::BufferUsages::COPY_SRC;
@@ -116,8 +112,10 @@ impl RayMeter {
         let answer_layout = layout(device, "queries", only, &[(1, Slot::Buffer(false)), (2, Slot::Buffer(true))]);
         let module = pass::module(device, "phenomena/air/query.wgsl")?;
         let constants = air.constants();
-        let place = compute(device, &module, "place_queries", &constants, &[&medium_layout, &view_layout, &place_layout]);
-        let answer = compute(device, &module, "answer_queries", &constants, &[&air.layout, &marching_layout, &answer_layout]);
+        let place =
+            compute(device, &module, "place_queries", &constants, &[&medium_layout, &view_layout, &place_layout]);
+        let answer =
+            compute(device, &module, "answer_queries", &constants, &[&air.layout, &marching_layout, &answer_layout]);
         let density = layers(&air.tables.density);
         let medium = [(1, Bound::Buffer(&air.tables.uniforms)), (2, Bound::View(&density))];
         let cells = layers(&cells);
@@ -131,18 +129,8 @@ impl RayMeter {
                 bind(device, "query view, marching", &marching_layout, &[view, (1, Bound::View(&cells))]),
             ],
             query_group: [
-                bind(
-                    device,
-                    "query cells",
-                    &place_layout,
-                    &[(0, Bound::View(&cells)), (1, Bound::Buffer(&queries))],
-                ),
-                bind(
-                    device,
-                    "queries",
-                    &answer_layout,
-                    &[(1, Bound::Buffer(&queries)), (2, Bound::Buffer(&answers))],
-                ),
+                bind(device, "query cells", &place_layout, &[(0, Bound::View(&cells)), (1, Bound::Buffer(&queries))]),
+                bind(device, "queries", &answer_layout, &[(1, Bound::Buffer(&queries)), (2, Bound::Buffer(&answers))]),
             ],
             air,
             frame_buffer,

@@ -52,10 +52,8 @@ impl Stations {
         let only = wgpu::ShaderStages::COMPUTE;
         let station_layout = layout(device, "station", only, &[(0, view_slot())]);
         let marching_layout = layout(device, "station, marching", only, &[(0, view_slot()), (1, Slot::Layers)]);
-        let cells_layout =
-            layout(device, "cells", only, &[(0, Slot::WriteLayers(wgpu::TextureFormat::Rg32Float))]);
-        let sky_view_layout =
-            layout(device, "sky view", only, &[(0, Slot::WriteLayers(SKY_VIEW_FORMAT))]);
+        let cells_layout = layout(device, "cells", only, &[(0, Slot::WriteLayers(wgpu::TextureFormat::Rg32Float))]);
+        let sky_view_layout = layout(device, "sky view", only, &[(0, Slot::WriteLayers(SKY_VIEW_FORMAT))]);
         let constants = tables.constants();
         let cells_pipeline = compute(
             device,
@@ -149,12 +147,7 @@ impl Stations {
     }
 }
 
-fn textures(
-    device: &wgpu::Device,
-    sizes: &AirSizes,
-    stations: u32,
-    lights: u32,
-) -> (wgpu::Texture, wgpu::Texture) {
+fn textures(device: &wgpu::Device, sizes: &AirSizes, stations: u32, lights: u32) -> (wgpu::Texture, wgpu::Texture) {
     let texture = |label, [width, height]: [u32; 2], layers, format| {
         device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),

@@ -1,6 +1,7 @@
 //! The air's tables on the GPU. Densities and peaks come from `himmel-air`; all else is computed here from them.
 
 use himmel_air::Atmosphere;
+use himmel_air::eclipse::{CROSSING, INSIDE};
 use himmel_air::moments::{Prepared, sun_columns};
 
 use super::sizes::AirSizes;
@@ -119,7 +120,7 @@ pub(crate) fn texture_bytes(texture: &wgpu::Texture) -> u64 {
     u64::from(texture.width()) * u64::from(texture.height()) * u64::from(texture.depth_or_array_layers()) * texel
 }
 
-fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, layer: usize, texels: &[[f32; 4]]) {
+pub(crate) fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, layer: usize, texels: &[[f32; 4]]) {
     let (width, height) = (texture.width(), texture.height());
     let target = wgpu::TexelCopyTextureInfo {
         origin: wgpu::Origin3d { x: 0, y: 0, z: layer as u32 },
@@ -128,4 +129,18 @@ fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, layer: usize, texels: &[[
     let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(width * 16), rows_per_image: None };
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
     queue.write_texture(target, bytemuck::cast_slice(texels), layout, size);
+}
+
+/// Room for the eclipse table.
+pub(crate) fn eclipse_texture(device: &wgpu::Device) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("eclipse"),
+        size: wgpu::Extent3d { width: (INSIDE + CROSSING) as u32, height: 1, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba32Float,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
 }

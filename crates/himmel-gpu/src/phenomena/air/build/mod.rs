@@ -74,10 +74,21 @@ const MOST_PASSES: usize = 256;
 enum Step {
     Depth,
     /// Rays and order 1 of some rows; draft or not.
-    First { draft: bool, first_row: u32, row_count: u32 },
-    Next { order: u32, first_row: u32, row_count: u32 },
+    First {
+        draft: bool,
+        first_row: u32,
+        row_count: u32,
+    },
+    Next {
+        order: u32,
+        first_row: u32,
+        row_count: u32,
+    },
     /// Adds an order to the tables.
-    Resolve { draft: bool, order: u32 },
+    Resolve {
+        draft: bool,
+        order: u32,
+    },
 }
 
 /// How much of a rebuild a frame does.
@@ -239,12 +250,12 @@ impl Builder {
         };
         let density_view = layers(&tables.density);
         let depth_view = layers(&tables.depth);
-        let bound = [(1, Bound::Buffer(&tables.uniforms)), (2, Bound::View(&density_view)), (3, Bound::View(&depth_view))];
+        let bound =
+            [(1, Bound::Buffer(&tables.uniforms)), (2, Bound::View(&density_view)), (3, Bound::View(&depth_view))];
         let moments_view = layers(&tables.moments);
         let ground_view = tables.ground.create_view(&Default::default());
         let rays_groups = [&nodes[0], &nodes[1]].map(|nodes| {
-            let bound =
-                [(0, Bound::Buffer(nodes)), (1, Bound::Buffer(&rays)), (2, Bound::Buffer(&cumulative))];
+            let bound = [(0, Bound::Buffer(nodes)), (1, Bound::Buffer(&rays)), (2, Bound::Buffer(&cumulative))];
             bind(device, "rays", &rays_layout, &bound)
         });
         Ok(Self {
@@ -488,10 +499,8 @@ impl Builder {
         if taken.iter().any(|step| matches!(step, Step::Depth)) {
             encoder.clear_buffer(&self.changes, 0, None);
         }
-        let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
-            label: Some("air tables"),
-            ..Default::default()
-        });
+        let mut pass = encoder
+            .begin_compute_pass(&wgpu::ComputePassDescriptor { label: Some("air tables"), ..Default::default() });
         let mut resolved = false;
         for (slot, step) in taken.iter().enumerate() {
             let offset = (slot as u64 * self.uniform_stride) as u32;
