@@ -54,6 +54,14 @@ fn mars() -> Result<(), GoldenError> {
     radiance("mars", "mars-reference", &[("light.sun.altitude_deg", "4"), ("camera.look", "sunward")])
 }
 
+/// In the umbra of 2024-04-08: twilight all round.
+#[test]
+fn eclipse() -> Result<(), GoldenError> {
+    let place = [("observer.place", "Mazatlan"), ("clock.time", "2024-04-08T18:09:30Z")];
+    let camera = [("camera.look", "180,25"), ("camera.fov_deg", "100"), ("light.sun.disc", "on")];
+    radiance("eclipse", "earth", &[&place[..], &camera[..]].concat())
+}
+
 #[test]
 fn look_of_sunset() -> Result<(), GoldenError> {
     look(

@@ -58,14 +58,15 @@ fn the_disc_has_its_luminance() {
     assert!((centre * 0.80 / 1.95e9 - 1.0).abs() < 0.04, "{centre:e}");
 }
 
-/// The Earth's shadow: with the Sun 4° low, the zenith of a first-order sky is lit only above 15.5 km, where a seventh of
-/// the air is left; the published illuminance falls 25-fold. Within a factor of 3 of both, and nothing is left at −30°.
+/// The Earth's shadow: with the Sun 4° low, the zenith is lit by the Sun only above 15.5 km, where a seventh of the air is
+/// left; the published illuminance falls 25-fold. Within a factor of 3 of both. At −30° what is left is a thousandth of
+/// the starlit sky, 2e-4 cd/m².
 #[test]
 fn twilight_is_dark_below_the_shadow() {
     let bright = model("earth", &[("light.sun.altitude_deg", "0")]).luminance(glam::DVec3::Z).expect("a sky").y;
     let dim = model("earth", &[("light.sun.altitude_deg", "-4")]).luminance(glam::DVec3::Z).expect("a sky").y;
     let night = model("earth", &[("light.sun.altitude_deg", "-30")]).luminance(glam::DVec3::Z).expect("a sky").y;
-    assert!((8.0..75.0).contains(&(bright / dim)) && night == 0.0, "{bright} {dim} {night}");
+    assert!((8.0..75.0).contains(&(bright / dim)) && night < 2e-7, "{bright} {dim} {night}");
 }
 
 #[test]

@@ -27,7 +27,7 @@ params! {
         aerosols: f64 = 1.0, "", 0.0..=1000.0;
         /// Factor on the amount of every gas that only absorbs, such as ozone.
         absorbers: f64 = 1.0, "", 0.0..=100.0;
-        /// How finely it is computed; unset: high in real time, film for pictures.
+        /// How finely it is computed; unset: high (film for `himmel radiance --solver gpu`).
         quality: Option<AirQuality> = None;
         /// Cells along a ray; unset: those of the quality (16 to 48).
         steps: Option<u32> = None, "", 4.0..=512.0;

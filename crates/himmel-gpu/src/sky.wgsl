@@ -64,8 +64,8 @@ fn tile_needs(tile: vec2u) -> vec3<bool> {
     for (var light = 0u; light < frame.light_count; light++) {
         needs.y = needs.y || dot(middle, view.lights[light].direction) > cos(AUREOLE_TO + reach);
         // A hundredth more: discs are widened to a pixel.
-        // The corona reaches 12 radii.
-        let size = select(1.1, 12.0, light == 0u && view.disc.corona > 0.0);
+        // The corona reaches 40 radii.
+        let size = select(1.1, 40.0, light == 0u && view.disc.corona > 0.0);
         let disc = size * view.lights[light].radius + reach + 0.01;
         needs.z = needs.z || disc > PI || dot(middle, view.lights[light].disc_direction) > cos(disc);
     }

@@ -1,6 +1,6 @@
 //! Pictures of any size without a window: drawn in tiles, read back, joined.
 
-use himmel_air::{AirQuality, Atmosphere};
+use himmel_air::Atmosphere;
 
 use crate::error::GpuError;
 use crate::gpu::Gpu;
@@ -68,7 +68,7 @@ impl Still {
             Output::Display => wgpu::TextureFormat::Rgba8Unorm,
         };
         let target = Target::new(colour, output);
-        let mut renderer = SkyRenderer::with_quality(&gpu.device, &gpu.queue, &target, atmosphere, AirQuality::Film)?;
+        let mut renderer = SkyRenderer::new(&gpu.device, &gpu.queue, &target, atmosphere)?;
         // A frame's worth at a time, so that a rebuild can be shown and cancelled.
         renderer.set_pace(Pace::Samples(1e7));
         Ok(Self { gpu: gpu.clone(), renderer, tile: None, stamps: Stamps::new(gpu) })

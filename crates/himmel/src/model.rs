@@ -3,6 +3,7 @@
 use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
+use himmel_air::disc::Disc;
 use himmel_air::eclipse::Shadow;
 use himmel_air::refraction::Bending;
 use himmel_air::scene_light::Eclipse;
@@ -368,16 +369,18 @@ impl SkyModel {
         let ray = Ray { altitude_m, mu: direction.z, mu_s: sun.direction.z, nu };
         let mut four = self.atmosphere.radiance(&ray, TWIN_STEPS);
         if settings.disc && direction.z.asin().to_degrees() > self.horizon_deg() {
-            let fraction = direction.angle_between(sun.disc_direction) / sun.radius_rad;
-            let solid_angle = std::f64::consts::TAU * (1.0 - sun.radius_rad.cos());
+            let occluder = self.occluder()?;
+            let disc = Disc {
+                centre: sun.direction,
+                radius_rad: sun.radius_rad,
+                up: DVec3::Z,
+                occluder: occluder.map(|occluder| (occluder.direction, occluder.angular_radius_rad)),
+                corona: occluder.is_some(),
+            };
+            let light = disc.radiance_per_sr(direction, &self.bending(), &self.limb_darkening());
             let through = self.atmosphere.sun_transmittance(altitude_m, direction.z);
-            for (k, wavelength_nm) in self.atmosphere.wavelengths_nm().into_iter().enumerate() {
-                let coefficients = match settings.limb_darkening {
-                    true => himmel_air::sun::limb_darkening(wavelength_nm),
-                    false => [1.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-                };
-                let disc = himmel_air::sun::relative_disc_brightness(fraction, &coefficients) / solid_angle;
-                four[k] += through[k] * disc;
+            for k in 0..4 {
+                four[k] += through[k] * light[k];
             }
         }
         Ok(self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k])))

@@ -27,7 +27,7 @@ use crate::frame::FrameUniform;
 use crate::pass::{Bound, Slot, bind, layers, layout};
 pub(crate) use apply::Apply;
 pub use apply::{ApplyAir, ApplyUniform, ShadowMap};
-use build::{Builder, Pace, Rebuild};
+use build::{Builder, Pace, Rebuild, Upload};
 pub use query::{Query, RayAnswer, RayMeter};
 pub use sizes::AirSizes;
 pub(crate) use stations::{Stations, view_slot};
@@ -175,7 +175,7 @@ impl Air {
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         pace: Pace,
-        write: &mut dyn FnMut(&mut wgpu::CommandEncoder, &wgpu::Buffer, u64, &[u8]),
+        write: &mut Upload<'_>,
     ) {
         self.builder.record(device, encoder, pace, write);
     }

@@ -50,7 +50,7 @@ fn bent_disc_radiance(ray: vec3f, dx: vec3f, dy: vec3f, disc: DiscUniform, bendi
     let away = bent_lengths(base, dot(base, tangent), bend.xxxx).y;
     // Other colours stand up to 2 % of the deviation elsewhere.
     let reach = drawn + 2.0 * pixel + 0.05 * abs(bend.x);
-    let with_corona = disc.corona > 0.0 && !widened && away < 12.0 * disc.radius;
+    let with_corona = disc.corona > 0.0 && !widened && away < 40.0 * disc.radius;
     if away > reach && !with_corona {
         return vec4f(0.0);
     }

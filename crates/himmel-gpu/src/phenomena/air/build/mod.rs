@@ -91,6 +91,9 @@ enum Step {
     },
 }
 
+/// Uploads bytes to a place in a buffer, in the order of the encoder.
+pub(crate) type Upload<'a> = dyn FnMut(&mut wgpu::CommandEncoder, &wgpu::Buffer, u64, &[u8]) + 'a;
+
 /// How much of a rebuild a frame does.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Pace {
@@ -461,7 +464,7 @@ impl Builder {
         device: &wgpu::Device,
         encoder: &mut wgpu::CommandEncoder,
         pace: Pace,
-        write: &mut dyn FnMut(&mut wgpu::CommandEncoder, &wgpu::Buffer, u64, &[u8]),
+        write: &mut Upload<'_>,
     ) {
         if self.steps.is_empty() {
             return;
