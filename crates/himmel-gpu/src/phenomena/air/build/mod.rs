@@ -1,6 +1,6 @@
 //! Fills the tables that depend on the medium alone: optical depth, then the moments, order by order.
 //!
-//! An edit of the air is a list of [`Step`]s; every frame does as many as its budget allows. The first are the optical
+//! An edit of the air is a list of steps; every frame does as many as its budget allows. The first are the optical
 //! depth and a draft of order 1, so that the next frame is right to order 2 already; then the sums proper.
 
 use std::collections::VecDeque;
