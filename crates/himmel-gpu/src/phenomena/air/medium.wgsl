@@ -53,7 +53,6 @@ struct AirUniform {
     peak_ratio: vec4f,
     bottom_radius_m: f32,
     top_altitude_m: f32,
-    // Depth of the lowest Sun in the moment table, rad (positive); where its fade begins.
     padding_0: f32,
     species_count: u32,
     aerosol_count: u32,
