@@ -17,6 +17,7 @@ use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::moon::{MoonState, MoonTextures, MoonUniform};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
 use crate::tiles::{Needs, TileLight, Tiles};
@@ -53,6 +54,8 @@ pub struct FrameState {
     pub shadow: Option<Shadow>,
     /// How the air bends what is seen.
     pub bending: Arc<Bending>,
+    /// The Moon's disc; as a light it is one of the other suns.
+    pub moon: Option<MoonState>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
@@ -63,7 +66,7 @@ impl FrameState {
     /// One sun, nothing before it, nothing bent.
     pub fn new(sun: SunState, altitude_m: f64, output: OutputParams) -> Self {
         let bending = Arc::new(Bending::none());
-        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output }
+        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, moon: None, altitude_m, output }
     }
 
     /// All suns, the first one first.
@@ -82,8 +85,9 @@ impl FrameState {
                 && sun.radius_rad.is_finite()
                 && sun.irradiance.iter().all(|value| value.is_finite())
         };
-        if !(self.suns().all(finite) && self.altitude_m.is_finite()) {
-            return Err(GpuError::View("the suns and the observer's altitude must be finite".into()));
+        let moon = self.moon.as_ref().is_none_or(MoonState::is_finite);
+        if !(self.suns().all(finite) && moon && self.altitude_m.is_finite()) {
+            return Err(GpuError::View("the suns, the Moon and the observer's altitude must be finite".into()));
         }
         Ok(())
     }
@@ -118,6 +122,7 @@ pub struct SkyRenderer {
     pipelines: Pipelines,
     meter: Meter,
     air: Air,
+    moon: MoonTextures,
     default_quality: AirQuality,
     pace: Pace,
     frame_buffer: wgpu::Buffer,
@@ -136,6 +141,7 @@ pub struct SkyRenderer {
     tonemap: Tonemap,
     eclipsed: bool,
     occluded: bool,
+    with_moon: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     /// Of the metering view and each prepared one: its tiles by what they need.
@@ -208,9 +214,10 @@ impl SkyRenderer {
             wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
             &[(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)],
         );
+        let moon = MoonTextures::new(device, queue);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
-            bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
+            bind_group_layouts: &[Some(&air.layout), Some(&view_layout), None, Some(&moon.layout)],
             immediate_size: 0,
         });
         let pipelines = Pipelines {
@@ -240,6 +247,7 @@ impl SkyRenderer {
             pipelines,
             meter,
             air,
+            moon,
             default_quality,
             // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
             pace: Pace::Samples(if software { 5e5 } else { 1e7 }),
@@ -257,6 +265,7 @@ impl SkyRenderer {
             tonemap: OutputParams::default().tonemap,
             eclipsed: false,
             occluded: false,
+            with_moon: false,
             marching: Vec::new(),
             tiles: Vec::new(),
             uploads: Uploads {
@@ -317,7 +326,7 @@ impl SkyRenderer {
 
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.air.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
+        self.air.bytes() + self.moon.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
     /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
@@ -420,6 +429,9 @@ impl SkyRenderer {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
         }
+        if let Some(moon) = &frame.moon {
+            self.moon.hold(&self.device, &self.queue, moon);
+        }
         self.record_build(encoder);
         self.uploads.finish();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -443,6 +455,7 @@ impl SkyRenderer {
         self.tonemap = frame.output.tonemap;
         self.eclipsed = frame.shadow.is_some();
         self.occluded = frame.occluder.is_some();
+        self.with_moon = frame.moon.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
@@ -481,7 +494,7 @@ impl SkyRenderer {
     }
 
     /// Draws a view of the prepared frame into the host's pass, at infinite depth. Sets its own pipeline and bind
-    /// groups 0 and 1; touches nothing else. A view that was not prepared is left out with a warning.
+    /// groups 0 to 3; touches nothing else. A view that was not prepared is left out with a warning.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         if view_index >= self.prepared {
             tracing::warn!(view_index, prepared = self.prepared, "the sky was not prepared for this view");
@@ -570,6 +583,7 @@ impl SkyRenderer {
             tonemap: self.tonemap,
             eclipsed: self.eclipsed,
             occluded: self.occluded,
+            moon: self.with_moon,
         }
     }
 
@@ -577,6 +591,7 @@ impl SkyRenderer {
         pass.set_pipeline(self.pipelines.get(variant, kind));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
+        pass.set_bind_group(3, &self.moon.group, &[]);
     }
 
     fn record_metering(&self, encoder: &mut wgpu::CommandEncoder, mut stamps: Option<&mut Stamps>) {
@@ -634,10 +649,15 @@ impl SkyRenderer {
         let reaches = std::iter::once(if frame.occluder.is_some() { 40.0 } else { 1.1 }).chain(std::iter::repeat(1.1));
         let tile_lights: Vec<TileLight> = (frame.suns().zip(reaches))
             .map(|(sun, reach)| TileLight {
-                direction: sun.direction.normalize_or(DVec3::Z),
+                direction: Some(sun.direction.normalize_or(DVec3::Z)),
                 disc_direction: sun.disc_direction.normalize_or(DVec3::Z),
                 reach_rad: reach * sun.radius_rad,
             })
+            .chain(frame.moon.iter().map(|moon| TileLight {
+                direction: None,
+                disc_direction: moon.disc_direction.normalize_or(DVec3::Z),
+                reach_rad: 1.1 * moon.radius_rad,
+            }))
             .collect();
         let tiles = Tiles::new(view, up, horizon, &tile_lights);
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
@@ -678,6 +698,7 @@ impl SkyRenderer {
                 .shadow
                 .as_ref()
                 .map_or_else(ShadowUniform::default, |shadow| ShadowUniform::new(shadow, view_from_enu)),
+            moon: frame.moon.as_ref().map_or_else(MoonUniform::default, |moon| MoonUniform::new(moon, view_from_enu)),
             ..ViewUniform::default()
         };
         Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges })
@@ -763,7 +784,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 16 * Tonemap::ALL.len()];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 32 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -778,6 +799,8 @@ struct Kind {
     eclipsed: bool,
     /// … and for its disc.
     occluded: bool,
+    /// Whether the Moon is in the picture: asked by pipelines with discs only.
+    moon: bool,
 }
 
 fn none_made() -> Made {
@@ -797,17 +820,20 @@ impl Pipelines {
                     tonemap: OutputParams::default().tonemap,
                     eclipsed: false,
                     occluded: false,
+                    moon: false,
                 },
             );
         }
     }
 
     fn get(&self, variant: Variant, kind: Kind) -> &wgpu::RenderPipeline {
+        let kind = Kind { moon: kind.moon && variant.has().disc, ..kind };
         let at = usize::from(kind.linear)
             + 2 * usize::from(kind.several_lights)
             + 4 * usize::from(kind.eclipsed)
             + 8 * usize::from(kind.occluded)
-            + 16 * kind.tonemap as usize;
+            + 16 * usize::from(kind.moon)
+            + 32 * kind.tonemap as usize;
         self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
@@ -841,6 +867,7 @@ fn sky_pipeline(
         ("several_lights", on(kind.several_lights)),
         ("eclipses", on(kind.eclipsed)),
         ("occluded", on(kind.occluded)),
+        ("with_moon", on(kind.moon)),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),
         marching,
         metering,

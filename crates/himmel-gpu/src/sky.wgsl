@@ -3,6 +3,7 @@
 
 //#include "phenomena/air/sky_view_table.wgsl"
 //#include "phenomena/sun/sun.wgsl"
+//#include "phenomena/moon/moon.wgsl"
 //#include "output/tonemap.wgsl"
 //#include "output/dither.wgsl"
 
@@ -25,6 +26,9 @@ override linear: bool = false;
 
 // Whether there may be more than one light. One alone is read in place: rasterisers on CPUs gather what a loop indexes.
 override several_lights: bool = false;
+
+// Whether the Moon is in the picture.
+override with_moon: bool = false;
 
 // Cells along the sides of a picture; the same in tiles.rs.
 const CELLS: vec2u = vec2u(80u, 56u);
@@ -98,7 +102,19 @@ fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, si
             sum += light_radiance(light, from_table[light], ray, dx, dy, mu, sin_theta, below);
         }
     }
+    if with_moon && with_disc && !below {
+        sum += transmittance_behind(mu, sin_theta) * moon_light(ray, dx, dy).radiance;
+    }
     return sum;
+}
+
+// What the air along a ray lets through of what lies behind it.
+fn transmittance_behind(mu: f32, sin_theta: f32) -> vec4f {
+    if marching {
+        let start = enter(view.altitude_m, mu, sin_theta, 0.0, 0.0, 0.0);
+        return select(transmittance_to_space(start.altitude_m, start.mu), vec4f(1.0), start.misses);
+    }
+    return transmittance_to_space(view.altitude_m, mu);
 }
 
 // The same of one light.

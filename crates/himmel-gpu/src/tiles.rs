@@ -48,8 +48,8 @@ impl Needs {
 
 /// A light, for the tiles around it.
 pub(crate) struct TileLight {
-    /// Unit vector towards it, east-north-up: its aureole.
-    pub direction: DVec3,
+    /// Unit vector towards it, east-north-up: its aureole; `None`: it has none.
+    pub direction: Option<DVec3>,
     /// Unit vector towards its disc.
     pub disc_direction: DVec3,
     /// Radius of all that is drawn with the disc, rad.
@@ -163,7 +163,7 @@ impl Around<'_> {
         let elevation = middle.dot(self.up).clamp(-1.0, 1.0).asin();
         Needs {
             horizon: (elevation - self.horizon).abs() <= reach,
-            aureole: self.lights.iter().any(|light| near(light.direction, AUREOLE_TO + reach)),
+            aureole: self.lights.iter().filter_map(|light| light.direction).any(|light| near(light, AUREOLE_TO + reach)),
             disc: false,
         }
     }
@@ -219,13 +219,13 @@ mod tests {
             let view = View::looking(6.3 * random(), 3.0 * random() - 1.5, 0.05 + 2.5 * random(), 1.6);
             let direction = view.direction([2.0 * random() - 1.0, 2.0 * random() - 1.0]).unwrap();
             let up = DVec3::new(random() - 0.5, random() - 0.5, 1.0).normalize();
-            let light = TileLight { direction, disc_direction: direction, reach_rad: 0.005 };
+            let light = TileLight { direction: Some(direction), disc_direction: direction, reach_rad: 0.005 };
             let tiles = Tiles::new(&view, up, -0.01, &[light]);
             let by = drawn(&tiles);
             assert!(by.iter().all(|by| by.len() == 1));
             // The cell with the disc, one on the horizon, one in the aureole.
             let widened = 0.0;
-            let light = TileLight { direction, disc_direction: direction, reach_rad: 0.005 };
+            let light = TileLight { direction: Some(direction), disc_direction: direction, reach_rad: 0.005 };
             let around = Around { up, horizon: -0.01, lights: &[light], widened };
             for (index, by) in by.iter().enumerate() {
                 let place = [index % CELLS[0], index / CELLS[0]].map(|x| (x as f64 + 0.5) / DIVISION as f64);

@@ -6,7 +6,7 @@ use glam::DVec3;
 use himmel_air::disc::Disc;
 use himmel_air::eclipse::Shadow;
 use himmel_air::refraction::Bending;
-use himmel_air::scene_light::Eclipse;
+use himmel_air::scene_light::{Ambient, Eclipse};
 use himmel_air::single::Ray;
 use himmel_air::{Atmosphere, Preset};
 use himmel_astro::query::Target;
@@ -17,7 +17,8 @@ use jiff::Timestamp;
 
 use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
-use crate::light::{AmbientLight, Light, LightSource, SunLight, pure_colour};
+use crate::light::{AmbientLight, Light, LightSource, MOON, SunLight, pure_colour};
+use crate::moon::MoonCache;
 use crate::observer::Observer;
 use crate::scene::{ProjectionKind, Scene};
 
@@ -51,6 +52,7 @@ pub struct SkyModel {
     ephemeris: Box<dyn Ephemeris + Send + Sync>,
     /// The bent sky of the altitude that was last asked for.
     bending: Mutex<Option<(f64, Arc<Bending>)>>,
+    moon: MoonCache,
 }
 
 /// The Sun's place for an observer.
@@ -91,7 +93,8 @@ impl SkyModel {
             }
         };
         let bending = Mutex::new(None);
-        Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris, bending })
+        let moon = MoonCache::default();
+        Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris, bending, moon })
     }
 
     /// The settings as they were given; the clock may have run, and the observer moved, since.
@@ -117,6 +120,14 @@ impl SkyModel {
     /// Stands elsewhere.
     pub fn set_observer(&mut self, observer: Observer) {
         self.observer = observer;
+    }
+
+    pub(crate) fn ephemeris(&self) -> &dyn Ephemeris {
+        self.ephemeris.as_ref()
+    }
+
+    pub(crate) fn moon_cache(&self) -> &MoonCache {
+        &self.moon
     }
 
     /// The clock.
@@ -176,6 +187,7 @@ impl SkyModel {
         if air_changed || preset_changed {
             self.atmosphere = self.atmosphere.edited(&self.preset, &self.scene.air, &self.scene.ground);
             self.bending = Mutex::new(None);
+            self.moon.forget_air();
         }
         Ok(air_changed || preset_changed)
     }
@@ -290,7 +302,31 @@ impl SkyModel {
         let visible = shadow.as_ref().map_or([1.0; 4], |shadow| shadow.fraction(DVec3::ZERO, &limb));
         let ambient = air.scene_light().at(&air.sampled(), air.columns(), self.altitude_m(), star, eclipse);
         let luminous = |relative: [f64; 4]| air.xyz(relative.map(|value| value * irradiance)).y.max(0.0);
-        let colour = |relative: [f64; 4]| air.rec709(relative.map(|value| value * irradiance));
+        // Moonlight in the air and on the ground, where it matters beside the Sun's.
+        let moon = self.moon()?;
+        let by_moon = match &moon {
+            Some(moon) if self.moon_as_light(moon)?.is_some() => {
+                let direction = moon.state.direction;
+                let ambient = air.scene_light().at(&air.sampled(), air.columns(), self.altitude_m(), direction, None);
+                Some((ambient, moon.irradiance))
+            }
+            _ => None,
+        };
+        let both = |sun: [f64; 4], moon: fn(&Ambient) -> [f64; 4]| -> [f64; 4] {
+            let moonlit = by_moon.as_ref().map_or([0.0; 4], |(ambient, irradiance)| {
+                let relative = moon(ambient);
+                std::array::from_fn(|k| relative[k] * irradiance[k])
+            });
+            std::array::from_fn(|k| sun[k] * irradiance + moonlit[k])
+        };
+        let (down, up) = (both(ambient.down, |a| a.down), both(ambient.up, |a| a.up));
+        let zenith = both(ambient.zenith_per_sr, |a| a.zenith_per_sr);
+        let harmonics: [[f64; 4]; 9] = std::array::from_fn(|i| {
+            let moonlit = by_moon.as_ref().map_or([0.0; 4], |(ambient, irradiance)| {
+                std::array::from_fn(|k| ambient.harmonics[i][k] * irradiance[k])
+            });
+            std::array::from_fn(|k| ambient.harmonics[i][k] * irradiance + moonlit[k])
+        });
         let direct = SunLight {
             direction_enu: direction_enu(sun.azimuth_deg, sun.altitude_deg),
             azimuth_deg: sun.azimuth_deg,
@@ -298,19 +334,29 @@ impl SkyModel {
             colour: pure_colour(rec709),
             illuminance_lx: xyz.y.max(0.0),
         };
+        let mut sources = vec![LightSource {
+            name: self.preset.stars.first().map_or_else(|| "Sun".into(), |star| star.name.clone()),
+            direction_enu: direct.direction_enu,
+            colour: direct.colour,
+            illuminance_lx: direct.illuminance_lx,
+        }];
+        sources.extend(moon.map(|moon| {
+            let beam = self.moon_beam(&moon);
+            LightSource {
+                name: MOON.into(),
+                direction_enu: moon.state.disc_direction,
+                colour: pure_colour(air.rec709(beam)),
+                illuminance_lx: air.xyz(beam).y.max(0.0),
+            }
+        }));
         Ok(Light {
-            sources: vec![LightSource {
-                name: self.preset.stars.first().map_or_else(|| "Sun".into(), |star| star.name.clone()),
-                direction_enu: direct.direction_enu,
-                colour: direct.colour,
-                illuminance_lx: direct.illuminance_lx,
-            }],
+            sources,
             sun: direct,
-            sky_illuminance_lx: luminous(ambient.down),
-            sky_colour: pure_colour(colour(ambient.down)),
-            ground_illuminance_lx: luminous(ambient.up),
-            zenith_luminance_cd_m2: luminous(ambient.zenith_per_sr),
-            ambient: AmbientLight { harmonics_cd_m2: ambient.harmonics.map(|four| colour(four).to_array()) },
+            sky_illuminance_lx: air.xyz(down).y.max(0.0),
+            sky_colour: pure_colour(air.rec709(down)),
+            ground_illuminance_lx: air.xyz(up).y.max(0.0),
+            zenith_luminance_cd_m2: air.xyz(zenith).y.max(0.0),
+            ambient: AmbientLight { harmonics_cd_m2: harmonics.map(|four| air.rec709(four).to_array()) },
             eclipse_fraction: luminous(visible) / luminous([1.0; 4]).max(f64::MIN_POSITIVE),
         })
     }
@@ -331,7 +377,7 @@ impl SkyModel {
     }
 
     /// Altitude of the geometric horizon, degrees (zero or negative).
-    fn horizon_deg(&self) -> f64 {
+    pub(crate) fn horizon_deg(&self) -> f64 {
         himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, self.altitude_m())
             .asin()
             .to_degrees()
@@ -341,6 +387,8 @@ impl SkyModel {
     pub fn frame(&self) -> Result<FrameState> {
         let sun = self.sun()?;
         let settings = &self.scene.sun;
+        let moon = self.moon()?;
+        let moonlight = moon.as_ref().map(|moon| self.moon_as_light(moon)).transpose()?.flatten();
         Ok(FrameState {
             sun: SunState {
                 direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
@@ -350,7 +398,8 @@ impl SkyModel {
                 disc: settings.disc,
                 limb_darkening: settings.limb_darkening,
             },
-            other_suns: Vec::new(),
+            other_suns: moonlight.into_iter().collect(),
+            moon: moon.and_then(|moon| self.moon_as_disc(moon)),
             occluder: self.occluder()?,
             shadow: self.shadow()?,
             bending: self.bending(),
@@ -362,7 +411,8 @@ impl SkyModel {
     /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground and the
     /// Sun's disc. The f64 twin of the renderer's pixel.
     pub fn luminance(&self, direction: DVec3) -> Result<DVec3> {
-        let (sun, settings) = (self.frame()?.sun, &self.scene.sun);
+        let frame = self.frame()?;
+        let (sun, settings) = (frame.sun, &self.scene.sun);
         let direction = direction.normalize_or(DVec3::Z);
         let altitude_m = self.altitude_m().max(0.5);
         let nu = direction.dot(sun.direction).clamp(-1.0, 1.0);
@@ -383,7 +433,23 @@ impl SkyModel {
                 four[k] += through[k] * light[k];
             }
         }
-        Ok(self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k])))
+        let mut sum: [f64; 4] = std::array::from_fn(|k| four[k] * sun.irradiance[k]);
+        for moon in &frame.other_suns {
+            let nu = direction.dot(moon.direction).clamp(-1.0, 1.0);
+            let ray = Ray { altitude_m, mu: direction.z, mu_s: moon.direction.z, nu };
+            let light = self.atmosphere.radiance(&ray, TWIN_STEPS);
+            for k in 0..4 {
+                sum[k] += light[k] * moon.irradiance[k];
+            }
+        }
+        let above = direction.z.asin().to_degrees() > self.horizon_deg();
+        if let Some(light) = frame.moon.filter(|_| above).and_then(|moon| moon.radiance(direction, &frame.bending)) {
+            let through = self.atmosphere.sun_transmittance(altitude_m, direction.z);
+            for k in 0..4 {
+                sum[k] += through[k] * light[k];
+            }
+        }
+        Ok(self.atmosphere.rec709(sum))
     }
 
     /// Azimuth and altitude that `camera.look` means, degrees.

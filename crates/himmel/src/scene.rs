@@ -7,6 +7,7 @@ use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten};
 use himmel_core::{choices, params};
 use himmel_gpu::OutputParams;
+use himmel_gpu::phenomena::moon::MoonParams;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Error, Result};
@@ -92,6 +93,8 @@ pub struct Scene {
     pub camera: CameraParams,
     /// `[light.sun]`
     pub sun: SunParams,
+    /// `[body.moon]`
+    pub moon: MoonParams,
     /// `[air]`
     pub air: AirParams,
     /// `[ground]`
@@ -110,6 +113,7 @@ impl Default for Scene {
             clock: ClockParams::default(),
             camera: CameraParams::default(),
             sun: SunParams::default(),
+            moon: MoonParams::default(),
             air: AirParams::default(),
             ground: GroundParams::default(),
             output: OutputParams::default(),
@@ -120,16 +124,17 @@ impl Default for Scene {
 
 impl Scene {
     /// Every table of parameters, in the order of the file.
-    pub fn tables(&self) -> [&dyn Params; 7] {
-        [&self.observer, &self.clock, &self.camera, &self.sun, &self.air, &self.ground, &self.output]
+    pub fn tables(&self) -> [&dyn Params; 8] {
+        [&self.observer, &self.clock, &self.camera, &self.sun, &self.moon, &self.air, &self.ground, &self.output]
     }
 
-    fn tables_mut(&mut self) -> [&mut dyn Params; 7] {
+    fn tables_mut(&mut self) -> [&mut dyn Params; 8] {
         [
             &mut self.observer,
             &mut self.clock,
             &mut self.camera,
             &mut self.sun,
+            &mut self.moon,
             &mut self.air,
             &mut self.ground,
             &mut self.output,

@@ -2,6 +2,7 @@
 // Field order and sizes are mirrored in frame/mod.rs; a test compares the offsets.
 
 //#include "phenomena/sun/disc.wgsl"
+//#include "phenomena/moon/uniform.wgsl"
 
 // Lights that a frame may have: suns, and moons once they are drawn.
 const MOST_LIGHTS: u32 = 4u;
@@ -85,6 +86,7 @@ struct ViewUniform {
     padding_0: f32,
     padding_1: f32,
     padding_2: f32,
+    moon: MoonUniform,
     // Rectangles of cells, four to a vector: x₀, y₀, x₁, y₁ in cells, a byte each, from the lowest.
     rectangles: array<vec4u, 70>,
 }
