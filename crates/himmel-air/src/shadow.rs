@@ -221,30 +221,76 @@ mod tests {
         let rays_took = start.elapsed();
         let light = ShadowLight::new(&rays, &Veil::default(), &MEAN, &limb()).unwrap();
         println!("rays {rays_took:?}, all {:?}", start.elapsed());
-        for km in (0..19).map(|i| 250.0 * f64::from(i)).chain((0..40).map(|i| 4400.0 + 20.0 * f64::from(i))) {
+        for km in [0.0, 1000.0, 2000.0, 3000.0] {
             let l = light.at(km * 1e3);
             println!("{km} km: {:.2e} {:.2e} {:.2e} {:.2e}, {:.2} mag", l[0], l[1], l[2], l[3], magnitude(l));
+            assert!(l[0] > l[1] && l[1] > l[2] && l[2] > l[3]);
         }
+        // 10 to 13 magnitudes for clean air; brighter outwards, full outside.
+        assert!((10.0..13.0).contains(&magnitude(light.at(1e6))) && (12.0..13.0).contains(&magnitude(light.at(0.0))));
+        assert!((0..160).all(|i| magnitude(light.at(f64::from(i) * 50e3)) > magnitude(light.at(f64::from(i + 1) * 50e3))));
+        assert!(light.at(9e6) == [1.0; 4] && light.at(8.28e6).iter().all(|l| *l > 0.9999));
         let danjon = MEAN.moon_m
             * (1.01 * (6378.1366e3f64 / MEAN.moon_m).asin() + (6378.1366e3f64 / MEAN.star_m).asin()
                 - (695.7e6f64 / MEAN.star_m).asin())
             .tan();
         let edge = light.umbra_edge_m(LUMINANCE);
         println!("edge {:.1} km, Danjon {:.1} km, penumbra {:.1} km", edge / 1e3, danjon / 1e3, light.penumbra_edge_m() / 1e3);
-        for veil in [
-            Veil { cloud_cover: 1.0, cloud_top_m: 5e3, dust: 0.0 },
-            Veil { cloud_cover: 0.7, cloud_top_m: 10e3, dust: 0.0 },
-            Veil { dust: 0.01, ..Veil::default() },
-            Veil { dust: 0.1, ..Veil::default() },
-        ] {
-            let light = ShadowLight::new(&rays, &veil, &MEAN, &limb()).unwrap();
-            println!(
-                "{veil:?}: axis {:.2}, 2000 km {:.2}, 4000 km {:.2}, edge {:.1}",
-                magnitude(light.at(0.0)),
-                magnitude(light.at(2e6)),
-                magnitude(light.at(4e6)),
-                light.umbra_edge_m(LUMINANCE) / 1e3
-            );
+        // 2 % of the Moon's radius. The edge is where rays are thinned out rather than dimmed: 50 km up.
+        assert!((edge - danjon).abs() < 0.02 * 1737.4e3, "{edge} {danjon}");
+        let veiled = |veil: Veil| ShadowLight::new(&rays, &veil, &MEAN, &limb()).unwrap();
+        let clouds = veiled(Veil { cloud_cover: 0.7, cloud_top_m: 10e3, dust: 0.0 });
+        let dust = veiled(Veil { dust: 0.1, ..Veil::default() });
+        for (name, veiled) in [("clouds", &clouds), ("dust", &dust)] {
+            let darker = magnitude(veiled.at(2e6)) - magnitude(light.at(2e6));
+            println!("{name}: {darker:.2} mag darker 2000 km from the axis, edge {:.1} km", veiled.umbra_edge_m(LUMINANCE) / 1e3);
+            assert!((0.5..8.0).contains(&darker));
         }
+    }
+
+    /// Without refraction: the penumbra of a disc behind a disc, and nothing in the umbra.
+    #[test]
+    fn without_refraction_the_umbra_is_black() {
+        let preset = Preset::named("bruneton2017").unwrap();
+        let light = ShadowLight::new(&Rays::new(&preset.medium, &FOUR), &Veil::default(), &MEAN, &limb()).unwrap();
+        assert!(light.at(0.0)[0] < 1e-19 && light.at(4.4e6)[0] < 1e-19);
+        let half = light.at(6.4e6)[1];
+        assert!((0.3..0.7).contains(&half), "{half}");
+        let bad = Distances { moon_m: 1.0, ..MEAN };
+        assert!(ShadowLight::new(&Rays::new(&preset.medium, &FOUR), &Veil::default(), &bad, &limb()).is_err());
+    }
+
+    /// Colour by the full spectrum relative to sunlight: red on the axis; towards the rim ozone takes yellow and orange.
+    #[test]
+    fn colours_of_the_full_spectrum() {
+        use himmel_core::colour::{Observer, rec709_from_xyz};
+        let earth = Preset::named("earth").unwrap();
+        let groups: Vec<[f64; 4]> = (0..9).map(|i| [0, 1, 2, 3].map(|k| 390.0 + f64::from(4 * i + k) * 10.0)).collect();
+        let lights: Vec<ShadowLight> = groups
+            .iter()
+            .map(|nm| {
+                ShadowLight::new(&Rays::new(&earth.medium, nm), &Veil::default(), &MEAN, &nm.map(limb_darkening)).unwrap()
+            })
+            .collect();
+        let sun = crate::sun::irradiance_w_m2_nm();
+        let rgb = |x_m: f64| {
+            let at: Vec<f64> = lights.iter().flat_map(|light| light.at(x_m)).collect();
+            let spectrum = |nm: f64| {
+                let x = ((nm - 390.0) / 10.0).clamp(0.0, 34.999);
+                let i = x as usize;
+                (at[i] + (x - i as f64) * (at[i + 1] - at[i])) * sun.at(nm)
+            };
+            rec709_from_xyz() * Observer::cie1931().xyz_of(spectrum)
+        };
+        let white = rgb(9e6);
+        let ratios = |radii: f64| {
+            let c = rgb(radii * 1737.4e3) / white;
+            (c.y / c.x, c.z / c.x)
+        };
+        let (axis, inside, rim, outside) = (ratios(0.0), ratios(2.3), ratios(2.66), ratios(2.72));
+        println!("green and blue over red: axis {axis:.3?}, 2.30 {inside:.3?}, rim {rim:.3?}, 2.72 {outside:.3?}");
+        assert!(axis.0 < 0.1 && axis.1 < 0.02 && inside.1 < 0.4);
+        // The rim is greener and bluer than what is inside and outside: turquoise beside them, though not beside the Sun.
+        assert!(rim.0 > inside.0 && rim.1 > inside.1 && rim.0 > outside.0 + 0.01 && rim.1 > outside.1 + 0.04);
     }
 }

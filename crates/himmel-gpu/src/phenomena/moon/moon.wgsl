@@ -49,7 +49,7 @@ fn moon_light(ray: vec3f, dx: vec3f, dy: vec3f) -> MoonLight {
     let touched = dot(across, across) < (sine + pixel) * (sine + pixel) && dot(base, base) < 2.0;
     // Small discs need more points for their terminator. A loop that ends at once, not a branch: rasterisers on CPUs skip
     // only loops.
-    let side = select(1u, 4u, sine < 8.0 * pixel);
+    let side = select(1u, select(4u, 8u, sine < 3.0 * pixel), sine < 8.0 * pixel);
     let points = select(0u, side * side, touched);
     var sum = MoonLight(vec4f(0.0), 0.0);
     for (var i = 0u; i < points; i++) {
