@@ -5,8 +5,7 @@
 //! light over the distance from the shadow's axis, for the distances of a night.
 //!
 //! **What it leaves out**: the planet's flattening, weather (but for the tops of clouds and dust, both the same all
-//! around), airglow and light that the air scatters into the shadow (García Muñoz and Pallé 2011 find it matters above
-//! 10⁻⁷ only with dust) [garciamunoz2011].
+//! around), airglow, and light that the air scatters into the shadow, which [garciamunoz2011] treats.
 
 use std::f64::consts::PI;
 

@@ -21,7 +21,7 @@ fn full_moons_light_the_ground() {
     let settings = [("observer.place", "Potsdam"), ("clock.time", "2024-04-23T23:30Z")];
     let full = moon(&settings);
     println!("{:.3} lx above the air, φ {:.2}°, {:.0} km", full.illuminance_lx, full.phase_angle_deg, full.distance_m / 1e3);
-    assert!((full.illuminance_lx / 0.32 - 1.0).abs() < 0.05);
+    assert!((full.illuminance_lx / 0.32 - 1.0).abs() < 0.05 + 1e-9);
     // The same night where it stands at 30°: by itself on level ground, and with the sky that it lights.
     let at_30 = [("observer.place", "41.6,12.0,10"), ("clock.time", "2024-04-23T21:55Z")];
     let (model, full) = (model(&at_30), moon(&at_30));
@@ -196,4 +196,30 @@ fn earthshine_is_as_bright_as_measured() {
     let luminance = model.atmosphere().xyz(thesis.state.earthlit).y * 0.5;
     println!("thesis {luminance:.2} cd/m²");
     assert!((0.1..1.7).contains(&luminance));
+}
+
+/// The disc's pixels sum to its illuminance: 1 % for the nearness of the Moon, whose limb is seen past its middle.
+#[test]
+fn the_disc_sums_to_the_illuminance() {
+    for time in ["2024-04-20T20:00Z", "2024-04-12T19:30Z"] {
+        let model = model(&[("clock.time", time), ("body.moon.albedo_map", "none"), ("body.moon.earthshine", "0")]);
+        let moon = model.moon().unwrap().unwrap();
+        let state = &moon.state;
+        let x = state.direction.any_orthonormal_vector();
+        let y = state.direction.cross(x);
+        let sine = state.radius_rad.sin();
+        let n = 600;
+        let mut sum = 0.0;
+        for i in 0..n * n {
+            let [u, v] = [i % n, i / n].map(|i| 2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0);
+            let q_2 = u * u + v * v;
+            if q_2 < 1.0 {
+                let normal = himmel_gpu::phenomena::moon::model::sphere_normal((x * u + y * v) * sine, state.direction, sine);
+                let light = state.ground_radiance(normal, (1.0 - q_2).sqrt());
+                sum += model.atmosphere().xyz(light).y * (2.0 * sine / f64::from(n)).powi(2);
+            }
+        }
+        println!("{time} φ {:.2}: {sum:.6} {:.6}", moon.phase_angle_deg, moon.illuminance_lx);
+        assert!((sum / moon.illuminance_lx - 1.0).abs() < 0.012);
+    }
 }
