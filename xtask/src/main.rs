@@ -1,23 +1,27 @@
 //! Development tasks: `cargo xtask golden propose | review | accept NAME… | accept --all`,
-//! `cargo xtask accuracy reference | moments | gpu | elevation | colour`.
+//! `cargo xtask accuracy reference | moments | gpu | elevation | colour`,
+//! `cargo xtask pictures`.
 //!
 //! Data is made by the scripts beside this crate: `xtask/data/*.py` (colour, light, air, places) and `xtask/astro/*.py`
 //! (ephemeris pack, series, stars); each names what it needs at its top, and each table's `SOURCE.md` names its command.
 
 mod accuracy;
+mod pictures;
 
 use std::process::ExitCode;
 
 const USAGE: &str = "cargo xtask golden propose [TEST…]   run the golden tests and keep their new pictures
 cargo xtask golden review              compare them with the accepted ones, numbers and a sheet each
 cargo xtask golden accept NAME… | --all
-cargo xtask accuracy reference | moments | gpu | elevation | colour [--quick] [--output FILE]   tables of errors, for docs/";
+cargo xtask accuracy reference | moments | gpu | elevation | colour [--quick] [--output FILE]   tables of errors, for docs/
+cargo xtask pictures [NAME…]           ours and the tracer's side by side, for docs/";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let result = match args.split_first() {
         Some((task, rest)) if task == "golden" => himmel_golden::cli::run(rest).map_err(|error| error.to_string()),
         Some((task, rest)) if task == "accuracy" => accuracy::run(rest),
+        Some((task, rest)) if task == "pictures" => pictures::run(rest),
         Some((task, _)) if task != "help" && task != "--help" => Err(format!("unknown task \"{task}\"\n{USAGE}")),
         _ => {
             println!("{USAGE}");

@@ -143,6 +143,11 @@ impl Atmosphere {
         moments::radiance(&self.sampled(), self.columns(), self.moments(), ray, steps)
     }
 
+    /// The same of the first `limit_m` metres alone: what the air before something at that distance adds.
+    pub fn radiance_to(&self, ray: &Ray, steps: usize, limit_m: f64) -> [f64; 4] {
+        moments::radiance_to(&self.sampled(), self.columns(), self.moments(), ray, steps, limit_m)
+    }
+
     /// Irradiance from the sky on a level surface at an altitude, per unit irradiance of the Sun.
     pub fn sky_irradiance(&self, altitude_m: f64, mu_s: f64) -> [f64; 4] {
         sky_irradiance(&self.sampled(), self.columns(), altitude_m, mu_s, Directions::FINE)

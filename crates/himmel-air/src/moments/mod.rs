@@ -44,7 +44,7 @@ mod table;
 #[cfg(test)]
 mod tests;
 
-pub use frame::{Irradiance, irradiance, radiance, smooth_radiance};
+pub use frame::{Irradiance, irradiance, radiance, radiance_to, smooth_radiance};
 pub use prepared::{Aerosol, Prepared, Species};
 pub use quality::Quality;
 pub use table::sun_columns;
