@@ -85,7 +85,7 @@ struct ViewUniform {
     padding_0: f32,
     padding_1: f32,
     padding_2: f32,
-    // Rectangles of tiles, four to a vector: x₀, y₀, x₁, y₁ in tiles, a byte each, from the lowest.
+    // Rectangles of cells, four to a vector: x₀, y₀, x₁, y₁ in cells, a byte each, from the lowest.
     rectangles: array<vec4u, 70>,
 }
 

@@ -107,7 +107,7 @@ gpu_struct! {
         pub padding_1: f32,
         /// Fills up.
         pub padding_2: f32,
-        /// Rectangles of tiles, see `tiles.rs`.
+        /// Rectangles of cells, see `tiles.rs`.
         pub rectangles: [[[u32; 4]; 14]; 5],
     }
 }
