@@ -176,7 +176,8 @@ fn a_stretch_of_air_is_a_difference_of_rays() {
 }
 
 /// What the air scatters before something at a distance, against the f64 twin that marches to that distance: the same
-/// model, so that only tables, halves and cells are between them. Clear air, haze, dust.
+/// model in clear air, haze and dust, so that only tables, half floats and cells are between them. Marched: as whole rays
+/// are in air.rs. From froxels: straight lines between 32 slices, of two cells each.
 #[test]
 fn a_stretch_of_air_agrees_with_the_twin() {
     for (preset, quality, tolerance) in [
@@ -220,7 +221,7 @@ fn a_stretch_of_air_agrees_with_the_twin() {
             }
         }
         println!("{preset} {quality:?}: worst {:.2} %", 100.0 * worst);
-        eprintln!("{tolerance}"); //assert!(worst < tolerance, "{preset} {quality:?}: {worst}");
+        assert!(worst < tolerance, "{preset} {quality:?}: {worst}");
     }
 }
 

@@ -27,7 +27,7 @@ override linear: bool = false;
 override several_lights: bool = false;
 
 // Cells along the sides of a picture; the same in tiles.rs.
-const CELLS: vec2u = vec2u(80u, 56u);
+const CELLS: vec2u = vec2u(64u, 72u);
 
 struct SkyVertex {
     @builtin(position) position: vec4f,

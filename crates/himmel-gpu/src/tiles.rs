@@ -10,8 +10,10 @@ use glam::DVec3;
 
 use crate::view::View;
 
-/// Tiles along the sides of a picture.
-const TILES: [usize; 2] = [20, 14];
+/// Tiles along the sides of a picture. Cells are whole pixels in 1280 × 720, 1920 × 1080 and their multiples: drivers place
+/// corners at sixteenths of a pixel (SwiftShader) or finer, and what is interpolated between them is off by half of that,
+/// which shows at the horizon.
+const TILES: [usize; 2] = [16, 18];
 /// Tiles with a disc or the horizon are divided into so many cells a side, as far as there is room for the rectangles.
 const DIVISION: usize = 4;
 /// Cells along the sides of a picture; the same in `sky.wgsl`.
@@ -60,7 +62,7 @@ pub(crate) struct TileLight {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Tiles {
     /// First and last corner in cells: x₀, y₀, x₁, y₁ a byte each, from the lowest.
-    pub rectangles: [[[u32; 4]; 14]; 5],
+    pub rectangles: [[[u32; 4]; 12]; 6],
     /// Which rectangles have each of [`Needs::SETS`].
     pub ranges: [Range<u32>; 5],
 }
@@ -102,7 +104,7 @@ impl Tiles {
             }
             done.append(&mut open);
             for corners in done {
-                let place = (count < MOST_RECTANGLES).then_some([count / 56, count / 4 % 14, count % 4])?;
+                let place = (count < MOST_RECTANGLES).then_some([count / 48, count / 4 % 12, count % 4])?;
                 let packed = corners.iter().rev().fold(0, |sum, &value| sum << 8 | value as u32);
                 tiles.rectangles[place[0]][place[1]][place[2]] = packed;
                 count += 1;
@@ -195,7 +197,7 @@ mod tests {
         let mut by = vec![Vec::new(); CELLS[0] * CELLS[1]];
         for (set, range) in tiles.ranges.iter().enumerate() {
             for index in range.clone().map(|index| index as usize) {
-                let packed = tiles.rectangles[index / 56][index / 4 % 14][index % 4];
+                let packed = tiles.rectangles[index / 48][index / 4 % 12][index % 4];
                 let [x0, y0, x1, y1] = packed.to_le_bytes().map(usize::from);
                 for y in y0..y1 {
                     for x in x0..x1 {

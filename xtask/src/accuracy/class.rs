@@ -91,14 +91,21 @@ impl Class {
                 let i = missing[m];
                 let Question { ray, direction, sun_deg } = questions[i];
                 let sources = [Source::at_zenith_angle(sun_deg.to_radians())];
-                tracer.radiance(&sources, ray.altitude_m, direction, &effort, i as u64).map_err(|error| error.to_string())
+                tracer
+                    .radiance(&sources, ray.altitude_m, direction, &effort, i as u64)
+                    .map_err(|error| error.to_string())
             },
             |m, answer| {
                 let kept = answer.and_then(|answer| {
                     known.add(missing[m], Truth { value: answer.value, standard_error: answer.standard_error })
                 });
                 done += 1;
-                eprint!("\r{}: {done} of {} traced, {:.0} s ", self.key, missing.len(), started.elapsed().as_secs_f64());
+                eprint!(
+                    "\r{}: {done} of {} traced, {:.0} s ",
+                    self.key,
+                    missing.len(),
+                    started.elapsed().as_secs_f64()
+                );
                 failed = kept.err();
                 failed.is_none()
             },

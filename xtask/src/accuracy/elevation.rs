@@ -55,7 +55,9 @@ pub fn plot(choice: &Choice, gpu: &Gpu, output: Option<&str>) -> Result<(), Stri
     ];
     let mut solvers = Solvers::default();
     println!("Adapter: {}.\n", gpu.report());
-    println!("| Sun | reference ± | ours on the GPU | Hillaire 2020, converged | Hillaire 2020, usual sizes |\n|---|---|---|---|---|");
+    println!(
+        "| Sun | reference ± | ours on the GPU | Hillaire 2020, converged | Hillaire 2020, usual sizes |\n|---|---|---|---|---|"
+    );
     for elevation_deg in ELEVATIONS_DEG {
         let points = solvers.points(&class(elevation_deg, choice), choice, Some(gpu))?;
         let of = |of: &dyn Fn(&Point) -> [f64; 3]| spread(&points, of);
@@ -73,7 +75,10 @@ pub fn plot(choice: &Choice, gpu: &Gpu, output: Option<&str>) -> Result<(), Stri
             curve.points.push((f64::from(elevation_deg), 100.0 * median, 100.0 * most));
         }
     }
-    println!("\nMedian / 95th percentile of the relative error in %: `bruneton2017`, on the ground, {} lines of sight over the whole sky for each elevation, at 680, 550 and 440 nm.", choice.points);
+    println!(
+        "\nMedian / 95th percentile of the relative error in %: `bruneton2017`, on the ground, {} lines of sight over the whole sky for each elevation, at 680, 550 and 440 nm.",
+        choice.points
+    );
     let Some(path) = output else { return Ok(()) };
     let mut text = String::new();
     draw(&curves, &SVGBackend::with_string(&mut text, SIZE).into_drawing_area())?;

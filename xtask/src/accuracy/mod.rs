@@ -75,7 +75,8 @@ pub fn run(args: &[String]) -> Result<(), String> {
         return Ok(());
     }
     // Quick answers have a quick one's noise: they are kept beside the others.
-    let kept = kept.unwrap_or_else(|| PathBuf::from(if work.quick { "target/accuracy/quick" } else { "target/accuracy" }));
+    let kept =
+        kept.unwrap_or_else(|| PathBuf::from(if work.quick { "target/accuracy/quick" } else { "target/accuracy" }));
     let choice = |full: u64| Choice { work, classes, points: points.unwrap_or(work.count(full) as usize), kept };
     let open = || himmel::Gpu::open(None).map_err(|error| error.to_string());
     let put = |text: &str| match &output {

@@ -72,15 +72,18 @@ pub fn spread(points: &[Point], of: impl Fn(&Point) -> [f64; 3]) -> (f64, f64) {
 
 /// Median and 95th percentile of the tracer's relative standard errors.
 pub fn noise(points: &[Point]) -> (f64, f64) {
-    let each = |point: &Point| -> [f64; 3] {
-        std::array::from_fn(|k| point.truth.standard_error[k] / point.truth.value[k])
-    };
+    let each =
+        |point: &Point| -> [f64; 3] { std::array::from_fn(|k| point.truth.standard_error[k] / point.truth.value[k]) };
     let mut errors: Vec<f64> = points.iter().flat_map(each).collect();
     (quantile(&mut errors, 0.5), quantile(&mut errors, 0.95))
 }
 
 /// `gpu`: the renderer's own tables and shaders instead of the f64 twin. `partial` gets the table after each class.
-pub fn table(choice: &Choice, gpu: Option<&Gpu>, partial: impl Fn(&str) -> Result<(), String>) -> Result<String, String> {
+pub fn table(
+    choice: &Choice,
+    gpu: Option<&Gpu>,
+    partial: impl Fn(&str) -> Result<(), String>,
+) -> Result<String, String> {
     let classes = classes(choice);
     // In the order that was asked for; the rows keep the table's.
     let mut order = Vec::new();

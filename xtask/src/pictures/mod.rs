@@ -51,7 +51,10 @@ pub fn run(args: &[String]) -> Result<(), String> {
         std::fs::create_dir_all(folder).map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
     }
     let gpu = Gpu::open(None).map_err(|error| error.to_string())?;
-    println!("Adapter: {}.\n\n| picture | tile | EV100 | paths | noise | ours against the tracer |\n|---|---|---|---|---|---|", gpu.report());
+    println!(
+        "Adapter: {}.\n\n| picture | tile | EV100 | paths | noise | ours against the tracer |\n|---|---|---|---|---|---|",
+        gpu.report()
+    );
     for sheet in SHEETS.iter().filter(|sheet| names.is_empty() || names.iter().any(|name| name == sheet.name)) {
         let picture = draw(sheet, &gpu, &kept, noise)?;
         save(&picture, &output.join(format!("{}.jpg", sheet.name)))?;
@@ -77,8 +80,11 @@ fn draw(sheet: &Sheet, gpu: &Gpu, kept: &Path, noise: f64) -> Result<RgbImage, S
             let name = format!("{}{}{label}", sheet.name, if label.is_empty() { "" } else { " " });
             let traced = trace(&model, &kept.join(format!("{name}.samples")), &name, noise)?;
             // What is metered already has its compensation.
-            let output =
-                OutputParams { exposure: Some(Exposure::Ev100(ours.ev100)), compensation_ev: 0.0, ..model.scene().output.clone() };
+            let output = OutputParams {
+                exposure: Some(Exposure::Ev100(ours.ev100)),
+                compensation_ev: 0.0,
+                ..model.scene().output.clone()
+            };
             put(&mut picture, &traced.picture(&output, Output::Display).pixels, sheet.size, place(1));
             let noise = traced.noise().map_or(f64::NAN, |noise| 100.0 * noise.median);
             line += &format!(" {} | {noise:.1} % | {} |", traced.paths_per_pixel(), difference(&model, gpu, &traced)?);
@@ -141,7 +147,13 @@ fn difference(model: &SkyModel, gpu: &Gpu, traced: &ReferencePicture) -> Result<
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
     let median = pairs.get(pairs.len() / 2).map_or(f64::NAN, |pair| pair.0);
     let sum = |k: usize| pairs.iter().map(|p| p.1[k]).sum::<f64>() / pairs.iter().map(|p| p.2[k]).sum::<f64>();
-    Ok(format!("{:+.1} %, sums of RGB {:+.1}, {:+.1}, {:+.1} %", 100.0 * (median - 1.0), 100.0 * (sum(0) - 1.0), 100.0 * (sum(1) - 1.0), 100.0 * (sum(2) - 1.0)))
+    Ok(format!(
+        "{:+.1} %, sums of RGB {:+.1}, {:+.1}, {:+.1} %",
+        100.0 * (median - 1.0),
+        100.0 * (sum(0) - 1.0),
+        100.0 * (sum(1) - 1.0),
+        100.0 * (sum(2) - 1.0)
+    ))
 }
 
 /// Copies a tile to its column and row.

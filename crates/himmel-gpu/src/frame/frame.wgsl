@@ -86,7 +86,7 @@ struct ViewUniform {
     padding_1: f32,
     padding_2: f32,
     // Rectangles of cells, four to a vector: x₀, y₀, x₁, y₁ in cells, a byte each, from the lowest.
-    rectangles: array<vec4u, 70>,
+    rectangles: array<vec4u, 72>,
 }
 
 @group(0) @binding(0) var<uniform> frame: FrameUniform;

@@ -108,6 +108,6 @@ gpu_struct! {
         /// Fills up.
         pub padding_2: f32,
         /// Rectangles of cells, see `tiles.rs`.
-        pub rectangles: [[[u32; 4]; 14]; 5],
+        pub rectangles: [[[u32; 4]; 12]; 6],
     }
 }
