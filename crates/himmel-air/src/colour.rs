@@ -6,6 +6,7 @@ use himmel_core::interpolate;
 use himmel_core::spectrum::Spectrum;
 
 use crate::columns::Columns;
+use crate::hillaire::{Hillaire, Placement, Settings};
 use crate::medium::{Medium, Sampled};
 use crate::single::{Ray, march};
 
@@ -38,12 +39,66 @@ impl Sample {
     }
 }
 
-/// Sun elevations, view zenith angles and azimuths (degrees) whose skies the matrix is fitted to.
+/// Sun elevations, view zenith angles and azimuths (degrees) whose skies, seen from the ground, the matrix is fitted to.
 const TRAINING_SUN_DEG: [f64; 7] = [75.0, 40.0, 15.0, 5.0, 1.0, -2.0, -5.0];
 const TRAINING_VIEW_DEG: [f64; 4] = [10.0, 50.0, 75.0, 87.0];
 const TRAINING_AZIMUTH_DEG: [f64; 3] = [10.0, 90.0, 180.0];
+/// The same of a planet seen from space: heights over the limb as shares of the air's, and cosines of nadir angles.
+const TRAINING_SPACE_SUN_DEG: [f64; 3] = [70.0, 20.0, 3.0];
+const TRAINING_LIMB: [f64; 3] = [0.05, 0.15, 0.3];
+const TRAINING_DOWN: [f64; 2] = [1.0, 0.5];
+const TRAINING_SPACE_AZIMUTH_DEG: [f64; 2] = [40.0, 130.0];
 
-/// The spectrum of the sky at one geometry, seen from the ground.
+/// All orders of scattering for them: coarse, since only spectra matter, and those of thick air are made by its later orders.
+const TRAINING: Settings = Settings {
+    transmittance: None,
+    placement: Placement::Crowded,
+    suns: 12,
+    altitudes: 8,
+    zeniths: 5,
+    azimuths: 2,
+    direction_steps: 12,
+    frame_steps: 16,
+};
+
+fn training_rays(medium: &Medium) -> Vec<Ray> {
+    let mut rays = Vec::new();
+    let mut add = |altitude_m: f64, mu: f64, sun_deg: f64, azimuth_deg: f64| {
+        let (sin_s, cos_s) = sun_deg.to_radians().sin_cos();
+        let nu = (1.0 - mu * mu).max(0.0).sqrt() * cos_s * azimuth_deg.to_radians().cos() + mu * sin_s;
+        rays.push(Ray { altitude_m, mu, mu_s: sin_s, nu: nu.clamp(-1.0, 1.0) });
+    };
+    for sun_deg in TRAINING_SUN_DEG {
+        for view_deg in TRAINING_VIEW_DEG {
+            TRAINING_AZIMUTH_DEG.map(|azimuth_deg| add(0.0, view_deg.to_radians().cos(), sun_deg, azimuth_deg));
+        }
+    }
+    let (radius_m, top_m) = (medium.bottom_radius_m, medium.top_altitude_m);
+    for sun_deg in TRAINING_SPACE_SUN_DEG {
+        for azimuth_deg in TRAINING_SPACE_AZIMUTH_DEG {
+            for share in TRAINING_LIMB {
+                let sine = (radius_m + share * top_m) / (radius_m + top_m);
+                add(top_m, -(1.0 - sine * sine).max(0.0).sqrt(), sun_deg, azimuth_deg);
+            }
+            TRAINING_DOWN.map(|down| add(top_m, -down, sun_deg, azimuth_deg));
+        }
+    }
+    rays
+}
+
+/// The spectra of skies with all orders of scattering.
+fn training_samples(medium: &Medium, columns: &Columns, four_nm: &[f64; 4]) -> Vec<Sample> {
+    fn skies<const N: usize>(air: &Sampled<'_, N>, columns: &Columns, rays: &[Ray]) -> Vec<[f64; N]> {
+        let sky = Hillaire::build(air, columns, &TRAINING);
+        rays.iter().map(|ray| sky.radiance(air, columns, ray)).collect()
+    }
+    let rays = training_rays(medium);
+    let fine = skies(&medium.sampled(&SPECTRAL_NM), columns, &rays);
+    let four = skies(&medium.sampled(four_nm), columns, &rays);
+    fine.into_iter().zip(four).map(|(fine, four)| Sample { fine, four }).collect()
+}
+
+/// The spectrum of light scattered once at one geometry, seen from the ground.
 pub fn sky_sample(
     medium: &Medium,
     columns: &Columns,
@@ -72,7 +127,8 @@ fn beam_sample(medium: &Medium, columns: &Columns, four_nm: &[f64; 4], sun_deg: 
     }
 }
 
-/// XYZ-from-four-wavelengths: least squares over many skies and beams of this medium under this light.
+/// XYZ-from-four-wavelengths: least squares over many skies and beams of this medium under this light, from the ground and
+/// from space, with all orders of scattering.
 ///
 /// Rows X, Y, Z. Multiplies radiance per unit irradiance of the light (sr⁻¹) and gives cd m⁻² for Y; every sample is
 /// weighted by 1/Y, so that a dim twilight counts as much as noon. The light above the air is one of the samples.
@@ -84,13 +140,7 @@ pub fn fit_xyz_from_four(
 ) -> [DVec4; 3] {
     let mut samples = vec![Sample { fine: [1.0; 48], four: [1.0; 4] }];
     samples.extend([90.0, 30.0, 10.0, 4.0, 1.5].map(|sun_deg| beam_sample(medium, columns, four_nm, sun_deg)));
-    for sun_deg in TRAINING_SUN_DEG {
-        for view_deg in TRAINING_VIEW_DEG {
-            for azimuth_deg in TRAINING_AZIMUTH_DEG {
-                samples.push(sky_sample(medium, columns, four_nm, sun_deg, view_deg, azimuth_deg));
-            }
-        }
-    }
+    samples.extend(training_samples(medium, columns, four_nm));
     let mut normal = DMat4::ZERO;
     let mut right = [DVec4::ZERO; 3];
     for sample in &samples {
