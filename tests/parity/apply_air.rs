@@ -177,16 +177,16 @@ fn a_stretch_of_air_is_a_difference_of_rays() {
 
 /// What the air scatters before something at a distance, against the f64 twin that marches to that distance: the same
 /// model in clear air, haze and dust, so that only tables, half floats and cells are between them. Marched: as whole rays
-/// are in air.rs. From froxels: straight lines between 32 slices, of two cells each.
+/// are in air.rs. From froxels: straight lines between 32 slices; over one of optical depth 0.4 the light's bow is 2 %.
 #[test]
 fn a_stretch_of_air_agrees_with_the_twin() {
     for (preset, quality, tolerance) in [
-        ("bruneton2017", AirQuality::Film, 0.01),
-        ("bruneton2017", AirQuality::High, 0.01),
-        ("earth-haze", AirQuality::Film, 0.01),
-        ("earth-haze", AirQuality::High, 0.01),
-        ("mars-dusty", AirQuality::Film, 0.01),
-        ("mars-dusty", AirQuality::High, 0.01),
+        ("bruneton2017", AirQuality::Film, 0.005),
+        ("bruneton2017", AirQuality::High, 0.03),
+        ("earth-haze", AirQuality::Film, 0.005),
+        ("earth-haze", AirQuality::High, 0.03),
+        ("mars-dusty", AirQuality::Film, 0.005),
+        ("mars-dusty", AirQuality::High, 0.03),
     ] {
         let atmosphere = atmosphere(preset, quality);
         let target = Target::new(wgpu::TextureFormat::Rgba16Float, Output::Radiance);

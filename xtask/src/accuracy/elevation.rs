@@ -28,11 +28,11 @@ fn class(elevation_deg: i32, choice: &Choice) -> Class {
         view_deg: (0.0, 89.5),
         altitude_m: (0.0, 0.0),
         error: match elevation_deg {
-            -2.. => 0.12,
-            -6.. => 0.3,
-            _ => 1.0,
+            -2.. => 0.2,
+            -6.. => 0.5,
+            _ => 1.5,
         },
-        most_samples: choice.work.count(1 << 20),
+        most_samples: choice.work.count(1 << 18),
         seed: 2000 + (elevation_deg + 90) as u64,
     }
 }

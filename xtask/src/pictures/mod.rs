@@ -15,19 +15,19 @@ pub const USAGE: &str = "cargo xtask pictures [NAME…] [--output FOLDER] [--kep
     names: strip, orbit, mars-noon, mars-sunset, titan, titan-reference, haze, eclipse; all of them without a name
     --output  where the JPEGs go (docs/images)
     --kept    where the tracer's samples are kept (target/pictures): a run that was stopped goes on where it was
-    --noise   trace until half of the pixels have this standard error (4), or 2,048 paths";
+    --noise   trace until half of the pixels have this standard error (6), or 1,024 paths";
 
 /// Between tiles, pixels.
 const GAP: u32 = 2;
 /// Bytes of a picture in the documentation, at most.
 const MOST_BYTES: usize = 200_000;
 /// Most passes of 32 paths.
-const MOST_PASSES: u64 = 64;
+const MOST_PASSES: u64 = 32;
 const LEAST_PASSES: u64 = 3;
 
 pub fn run(args: &[String]) -> Result<(), String> {
     let (mut output, mut kept) = (PathBuf::from("docs/images"), PathBuf::from("target/pictures"));
-    let (mut names, mut noise) = (Vec::new(), 0.04);
+    let (mut names, mut noise) = (Vec::new(), 0.06);
     let mut words = args.iter();
     while let Some(word) = words.next() {
         let mut next = |takes: &str| words.next().cloned().ok_or_else(|| format!("{word} takes {takes}"));
