@@ -70,7 +70,9 @@ fn training_rays(medium: &Medium) -> Vec<Ray> {
     };
     for sun_deg in TRAINING_SUN_DEG {
         for view_deg in TRAINING_VIEW_DEG {
-            TRAINING_AZIMUTH_DEG.map(|azimuth_deg| add(0.0, view_deg.to_radians().cos(), sun_deg, azimuth_deg));
+            for azimuth_deg in TRAINING_AZIMUTH_DEG {
+                add(0.0, view_deg.to_radians().cos(), sun_deg, azimuth_deg);
+            }
         }
     }
     let (radius_m, top_m) = (medium.bottom_radius_m, medium.top_altitude_m);
@@ -80,7 +82,9 @@ fn training_rays(medium: &Medium) -> Vec<Ray> {
                 let sine = (radius_m + share * top_m) / (radius_m + top_m);
                 add(top_m, -(1.0 - sine * sine).max(0.0).sqrt(), sun_deg, azimuth_deg);
             }
-            TRAINING_DOWN.map(|down| add(top_m, -down, sun_deg, azimuth_deg));
+            for down in TRAINING_DOWN {
+                add(top_m, -down, sun_deg, azimuth_deg);
+            }
         }
     }
     rays

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use himmel::picture::render;
 use himmel::{Exposure, Gpu, Output, OutputParams, Pixels, ReferencePicture, Scene, SkyModel};
 use image::codecs::jpeg::JpegEncoder;
+use image::imageops::{self, FilterType};
 use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
 
 use sheets::{SHEETS, Sheet};
@@ -23,7 +24,7 @@ const GAP: u32 = 2;
 const MOST_BYTES: usize = 200_000;
 /// Most passes of 32 paths.
 const MOST_PASSES: u64 = 32;
-const LEAST_PASSES: u64 = 3;
+const LEAST_PASSES: u64 = 2;
 
 pub fn run(args: &[String]) -> Result<(), String> {
     let (mut output, mut kept) = (PathBuf::from("docs/images"), PathBuf::from("target/pictures"));
@@ -65,18 +66,19 @@ pub fn run(args: &[String]) -> Result<(), String> {
 /// All tiles of a sheet: ours above the tracer's, or left of it where there is one pair.
 fn draw(sheet: &Sheet, gpu: &Gpu, kept: &Path, noise: f64) -> Result<RgbImage, String> {
     let [width, height] = sheet.size;
-    let rows = if sheet.traced { 2 } else { 1 };
+    let rows = if sheet.traced.is_some() { 2 } else { 1 };
     let columns = sheet.tiles.len() as u32;
     let [across, down] = if columns == 1 { [rows, 1] } else { [columns, rows] };
     let whole = [(width + GAP) * across - GAP, (height + GAP) * down - GAP];
     let mut picture = RgbImage::from_pixel(whole[0], whole[1], Rgb([255; 3]));
     for (column, (label, settings)) in sheet.tiles.iter().enumerate() {
-        let model = model(sheet, settings)?;
+        let model = model(sheet, settings, 1)?;
         let ours = render(gpu, &model, Output::Display, &mut |_| true).map_err(|error| error.to_string())?;
         let place = |row: u32| if columns == 1 { [row, 0] } else { [column as u32, row] };
         put(&mut picture, &ours.pixels, sheet.size, place(0));
         let mut line = format!("| {} | {label} | {:.2} |", sheet.name, ours.ev100);
-        if sheet.traced {
+        if let Some(smaller) = sheet.traced {
+            let model = self::model(sheet, settings, smaller)?;
             let name = format!("{}{}{label}", sheet.name, if label.is_empty() { "" } else { " " });
             let traced = trace(&model, &kept.join(format!("{name}.samples")), &name, noise)?;
             // What is metered already has its compensation.
@@ -85,7 +87,13 @@ fn draw(sheet: &Sheet, gpu: &Gpu, kept: &Path, noise: f64) -> Result<RgbImage, S
                 compensation_ev: 0.0,
                 ..model.scene().output.clone()
             };
-            put(&mut picture, &traced.picture(&output, Output::Display).pixels, sheet.size, place(1));
+            let small = traced.picture(&output, Output::Display).pixels;
+            put(
+                &mut picture,
+                &enlarged(&small, sheet.size.map(|side| side / smaller), sheet.size),
+                sheet.size,
+                place(1),
+            );
             let noise = traced.noise().map_or(f64::NAN, |noise| 100.0 * noise.median);
             line += &format!(" {} | {noise:.1} % | {} |", traced.paths_per_pixel(), difference(&model, gpu, &traced)?);
         } else {
@@ -96,8 +104,8 @@ fn draw(sheet: &Sheet, gpu: &Gpu, kept: &Path, noise: f64) -> Result<RgbImage, S
     Ok(picture)
 }
 
-fn model(sheet: &Sheet, settings: &[(&str, &str)]) -> Result<SkyModel, String> {
-    let [width, height] = sheet.size.map(|side| side.to_string());
+fn model(sheet: &Sheet, settings: &[(&str, &str)], smaller: u32) -> Result<SkyModel, String> {
+    let [width, height] = sheet.size.map(|side| (side / smaller).to_string());
     let size = [("output.width_px", width.as_str()), ("output.height_px", height.as_str())];
     let mut scene = Scene { preset: sheet.preset.into(), ..Scene::default() };
     for (key, value) in sheet.common.iter().chain(settings).chain(&size) {
@@ -154,6 +162,12 @@ fn difference(model: &SkyModel, gpu: &Gpu, traced: &ReferencePicture) -> Result<
         100.0 * (sum(1) - 1.0),
         100.0 * (sum(2) - 1.0)
     ))
+}
+
+fn enlarged(pixels: &Pixels, from: [u32; 2], to: [u32; 2]) -> Pixels {
+    let Pixels::Display(rgb) = pixels else { return Pixels::Display(Vec::new()) };
+    let small = RgbImage::from_raw(from[0], from[1], rgb.clone()).unwrap_or_default();
+    Pixels::Display(imageops::resize(&small, to[0], to[1], FilterType::CatmullRom).into_raw())
 }
 
 /// Copies a tile to its column and row.

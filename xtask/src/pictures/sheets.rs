@@ -10,8 +10,8 @@ pub struct Sheet {
     pub preset: &'static str,
     /// Of each tile, pixels.
     pub size: [u32; 2],
-    /// Whether the tracer's tiles stand beside ours.
-    pub traced: bool,
+    /// The tracer's tiles beside ours are traced this many times smaller and enlarged; `None`: there are none.
+    pub traced: Option<u32>,
     /// What all tiles have in common.
     pub common: Settings,
     /// Each tile's label, for the table that is printed, and its own settings.
@@ -26,8 +26,8 @@ pub const SHEETS: [Sheet; 8] = [
     Sheet {
         name: "strip",
         preset: "earth",
-        size: [80, 120],
-        traced: true,
+        size: [96, 144],
+        traced: Some(2),
         common: &[("light.sun.azimuth_deg", "180"), ("camera.look", "180,30"), ("camera.fov_deg", "90")],
         tiles: &[
             ("+60°", &[("light.sun.altitude_deg", "60")]),
@@ -47,7 +47,7 @@ pub const SHEETS: [Sheet; 8] = [
         name: "orbit",
         preset: "earth",
         size: [320, 180],
-        traced: true,
+        traced: Some(2),
         common: &[
             ("observer.altitude_m", "400000"),
             ("light.sun.altitude_deg", "5"),
@@ -61,7 +61,7 @@ pub const SHEETS: [Sheet; 8] = [
         name: "mars-noon",
         preset: "mars",
         size: [320, 180],
-        traced: true,
+        traced: Some(2),
         common: &[
             ("light.sun.altitude_deg", "60"),
             ("light.sun.azimuth_deg", "180"),
@@ -74,7 +74,7 @@ pub const SHEETS: [Sheet; 8] = [
         name: "mars-sunset",
         preset: "mars",
         size: [320, 180],
-        traced: true,
+        traced: Some(2),
         common: &[
             ("light.sun.altitude_deg", "3"),
             ("light.sun.azimuth_deg", "270"),
@@ -88,7 +88,7 @@ pub const SHEETS: [Sheet; 8] = [
         name: "titan",
         preset: "titan",
         size: [320, 180],
-        traced: false,
+        traced: None,
         common: &[("light.sun.azimuth_deg", "270")],
         tiles: &[
             ("ground", &[("light.sun.altitude_deg", "30"), ("camera.look", "sunward"), ("camera.fov_deg", "60")]),
@@ -107,7 +107,7 @@ pub const SHEETS: [Sheet; 8] = [
         name: "titan-reference",
         preset: "titan-reference",
         size: [320, 180],
-        traced: true,
+        traced: Some(2),
         common: &[
             ("light.sun.altitude_deg", "30"),
             ("light.sun.azimuth_deg", "270"),
@@ -120,7 +120,7 @@ pub const SHEETS: [Sheet; 8] = [
         name: "haze",
         preset: "earth-haze",
         size: [320, 180],
-        traced: true,
+        traced: Some(2),
         common: &[
             ("light.sun.altitude_deg", "20"),
             ("light.sun.azimuth_deg", "270"),
@@ -134,7 +134,7 @@ pub const SHEETS: [Sheet; 8] = [
         name: "eclipse",
         preset: "earth",
         size: [480, 270],
-        traced: false,
+        traced: None,
         common: &[("observer.place", "Mazatlan"), ("clock.time", "2024-04-08T18:09:30Z")],
         tiles: &[
             ("sky", &[("camera.look", "180,25"), ("camera.fov_deg", "110")]),

@@ -232,7 +232,9 @@ fn the_first_order_is_the_march() {
 #[test]
 fn stretches_of_clear_air_add_up() {
     let mut medium = bruneton();
-    medium.components.retain(|component| component.phase.as_ref().is_none_or(|phase| matches!(phase, Phase::Rayleigh { .. })));
+    medium
+        .components
+        .retain(|component| component.phase.as_ref().is_none_or(|phase| matches!(phase, Phase::Rayleigh { .. })));
     let columns = Columns::new(&medium);
     let air = medium.sampled(&[440.0]);
     let moments = Moments::build(&air, &columns, &quick());
