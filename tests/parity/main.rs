@@ -3,6 +3,7 @@
 mod air;
 mod allocation;
 mod apply_air;
+mod bloom;
 mod functions;
 mod host;
 mod pictures;

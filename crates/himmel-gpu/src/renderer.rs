@@ -10,7 +10,7 @@ use wgpu::util::StagingBelt;
 
 use crate::error::GpuError;
 use crate::frame::{FrameUniform, LightUniform, MOST_LIGHTS, ViewUniform};
-use crate::output::meter::{self, Meter};
+use crate::output::meter::{self, Meter, MeterUniform};
 use crate::output::params::{OutputParams, Tonemap};
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
@@ -55,13 +55,15 @@ pub struct FrameState {
     pub altitude_m: f64,
     /// Exposure and tone mapping.
     pub output: OutputParams,
+    /// Real seconds since the last frame, for [`Adaptation`](crate::Adaptation); `None`: adapted at once.
+    pub seconds: Option<f64>,
 }
 
 impl FrameState {
     /// One sun, nothing before it, nothing bent.
     pub fn new(sun: SunState, altitude_m: f64, output: OutputParams) -> Self {
         let bending = Arc::new(Bending::none());
-        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output }
+        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output, seconds: None }
     }
 
     /// All suns, the first one first.
@@ -397,6 +399,8 @@ impl SkyRenderer {
         let exposure = frame.output.exposure_for(self.target.output).factor();
         let uniform = self.frame_uniform(frame, exposure);
         self.uploads.write(encoder, &self.frame_buffer, 0, bytemuck::bytes_of(&uniform));
+        let metering = MeterUniform::new(&frame.output, frame.seconds);
+        self.uploads.write(encoder, &self.meter.uniform, 0, bytemuck::bytes_of(&metering));
         for (slot, uniform) in uniforms.iter().enumerate() {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));

@@ -37,8 +37,9 @@ pub use error::{Error, Result};
 pub use himmel_air::{AirParams, AirQuality, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
-    AdapterReport, AirSizes, ApplyAir, DepthDirection, Exposure, Gpu, GpuError, Occluder, Output, OutputParams, Pace,
-    PassTimes, Picture, Pixels, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, Still, Target, Tonemap, View,
+    Adaptation, AdapterReport, AirSizes, ApplyAir, Bloom, BloomFrame, BloomPass, DepthDirection, Exposure, Gpu,
+    GpuError, Occluder, Output, OutputParams, Pace, PassTimes, Picture, Pixels, Projection, RayMeter, Rebuild,
+    ShadowMap, SkyRenderer, Still, Target, Tonemap, View,
 };
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};

@@ -83,9 +83,21 @@ fn folder_of(path: &Path) -> &Path {
 /// Renders a model's picture. `progress` is told the share done and answers whether to go on.
 pub fn render(gpu: &Gpu, model: &SkyModel, output: Output, progress: &mut dyn FnMut(f64) -> bool) -> Result<Picture> {
     let view = model.view()?;
-    let mut still = Still::new(gpu, output, model.atmosphere())?;
     let size = &model.scene().output;
-    Ok(still.render(&model.frame()?, &view, size.width_px, size.height_px, progress)?)
+    if !size.has_post() {
+        let mut still = Still::new(gpu, output, model.atmosphere())?;
+        return Ok(still.render(&model.frame()?, &view, size.width_px, size.height_px, progress)?);
+    }
+    Ok(himmel_gpu::output::bloom::finish(gpu, &linear(gpu, model, output, progress)?, size, &view, output)?)
+}
+
+/// The picture before bloom: linear, exposed as the finished one.
+fn linear(gpu: &Gpu, model: &SkyModel, output: Output, progress: &mut dyn FnMut(f64) -> bool) -> Result<Picture> {
+    let mut frame = model.frame()?;
+    frame.output.exposure = Some(frame.output.exposure_for(output));
+    let size = &model.scene().output;
+    let mut still = Still::new(gpu, Output::Radiance, model.atmosphere())?;
+    Ok(still.render(&frame, &model.view()?, size.width_px, size.height_px, progress)?)
 }
 
 /// Times of a picture's passes: the medians over several frames.
