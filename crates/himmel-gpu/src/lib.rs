@@ -17,6 +17,7 @@ mod renderer;
 pub mod shader;
 mod still;
 mod target;
+mod tiles;
 mod timing;
 mod view;
 

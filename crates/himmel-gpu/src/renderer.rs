@@ -1,5 +1,6 @@
 //! The renderer: made once for a target, prepared each frame, drawn for each view.
 
+use std::ops::Range;
 use std::sync::{Arc, OnceLock};
 
 use glam::DVec3;
@@ -18,6 +19,7 @@ use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
 use crate::phenomena::cleared;
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
+use crate::tiles::{Needs, TileLight, Tiles};
 use crate::timing::Stamps;
 use crate::view::{Projection, View};
 
@@ -92,6 +94,16 @@ impl FrameState {
 /// Coefficients of a disc that is equally bright everywhere.
 const EVEN_DISC: [[f32; 4]; 6] = [[1.0; 4], [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]];
 
+/// A view's uniform, and where it stands.
+struct Standing {
+    uniform: ViewUniform,
+    /// The zenith, east-north-up.
+    up: DVec3,
+    altitude_m: f64,
+    /// Its tiles by what they need.
+    tiles: [Range<u32>; 5],
+}
+
 /// Staging buffers that frames use in turn: three frames may be recorded before the first is submitted.
 const BELTS: usize = 4;
 
@@ -127,6 +139,8 @@ pub struct SkyRenderer {
     eclipsed: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
+    /// Of the metering view and each prepared one: its tiles by what they need.
+    tiles: Vec<[Range<u32>; 5]>,
     uploads: Uploads,
     /// The part of the frame's uniform that follows from the medium.
     colours: FrameUniform,
@@ -244,6 +258,7 @@ impl SkyRenderer {
             tonemap: OutputParams::default().tonemap,
             eclipsed: false,
             marching: Vec::new(),
+            tiles: Vec::new(),
             uploads: Uploads {
                 // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
                 belts: std::array::from_fn(|_| StagingBelt::new(device.clone(), 16 * 1024)),
@@ -364,10 +379,11 @@ impl SkyRenderer {
         // The first slot is the metering view: the first view's whole picture.
         let whole = View { part: [0.0, 0.0, 1.0, 1.0], first_pixel: [0, 0], ..views[0] };
         let mut uniforms = Vec::with_capacity(views.len() + 1);
+        let mut ranges = Vec::with_capacity(views.len() + 1);
         let mut stations: Vec<(f64, DVec3, usize)> = Vec::new();
         for view in std::iter::once(&whole).chain(views) {
             view.check()?;
-            let (mut uniform, up, altitude_m) = self.view_uniform(frame, view)?;
+            let Standing { mut uniform, up, altitude_m, tiles } = self.view_uniform(frame, view)?;
             // Views that stand as good as in the same place (the faces of a cube, two eyes) share their tables.
             let near = |&(other_m, other_up, _): &(f64, DVec3, usize)| {
                 (altitude_m - other_m).abs() < 1e-4 * (altitude_m + 10.0) && (up - other_up).length() < 1e-6
@@ -378,6 +394,7 @@ impl SkyRenderer {
                 stations.push((altitude_m, up, uniforms.len()));
             }
             uniforms.push(uniform);
+            ranges.push(tiles);
         }
         if let Some(shadow) = &frame.shadow {
             let limb = self.limb_darkening(frame);
@@ -429,6 +446,7 @@ impl SkyRenderer {
         self.eclipsed = frame.shadow.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
+        self.tiles = ranges;
         self.marching.clear();
         self.marching.extend(uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0));
         match exposure {
@@ -473,10 +491,14 @@ impl SkyRenderer {
         let slot = view_index + 1;
         let kind = self.kind(view_index);
         if self.marching.get(view_index).copied().unwrap_or(true) {
-            self.draw_slot(pass, Variant::Marching, kind, slot);
+            self.set_slot(pass, Variant::Marching, kind, slot);
+            pass.draw(0..3, 0..1);
         } else {
-            for variant in Variant::TILED {
-                self.draw_slot(pass, variant, kind, slot);
+            for (variant, range) in Variant::TILED.into_iter().zip(&self.tiles[slot]) {
+                if !range.is_empty() {
+                    self.set_slot(pass, variant, kind, slot);
+                    pass.draw(0..6, range.clone());
+                }
             }
         }
     }
@@ -551,15 +573,10 @@ impl SkyRenderer {
         }
     }
 
-    fn draw_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, kind: Kind, slot: usize) {
+    fn set_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, kind: Kind, slot: usize) {
         pass.set_pipeline(self.pipelines.get(variant, kind));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
-        if variant.tiled() {
-            pass.draw(0..6, 0..TILES[0] * TILES[1]);
-        } else {
-            pass.draw(0..3, 0..1);
-        }
     }
 
     fn record_metering(&self, encoder: &mut wgpu::CommandEncoder, mut stamps: Option<&mut Stamps>) {
@@ -571,13 +588,14 @@ impl SkyRenderer {
         });
         let marching = self.marching.first().copied().unwrap_or(true);
         let variant = if marching { Variant::MeteringMarch } else { Variant::MeteringTable };
-        self.draw_slot(&mut pass, variant, self.kind(0), 0);
+        self.set_slot(&mut pass, variant, self.kind(0), 0);
+        pass.draw(0..3, 0..1);
         drop(pass);
         self.meter.reduce(encoder, stamps.and_then(|stamps| stamps.next("meter")));
     }
 
-    /// The uniform of a view, and where it stands: its zenith (east-north-up) and altitude.
-    fn view_uniform(&self, frame: &FrameState, view: &View) -> Result<(ViewUniform, DVec3, f64), GpuError> {
+    /// The uniform of a view, and where it stands.
+    fn view_uniform(&self, frame: &FrameState, view: &View) -> Result<Standing, GpuError> {
         let radius_m = self.bottom_radius_m;
         let r = radius_m + frame.altitude_m;
         // Where the camera is from the planet's centre; altitude as (r² − R²) / (r + R), which cancels nothing.
@@ -611,6 +629,17 @@ impl SkyRenderer {
         for (slot, sun) in lights.iter_mut().zip(frame.suns()) {
             *slot = light(sun);
         }
+        let horizon = himmel_air::geometry::horizon_cosine(radius_m, altitude_m).asin();
+        // The corona reaches 40 radii.
+        let reaches = std::iter::once(if frame.occluder.is_some() { 40.0 } else { 1.1 }).chain(std::iter::repeat(1.1));
+        let tile_lights: Vec<TileLight> = (frame.suns().zip(reaches))
+            .map(|(sun, reach)| TileLight {
+                direction: sun.direction.normalize_or(DVec3::Z),
+                disc_direction: sun.disc_direction.normalize_or(DVec3::Z),
+                reach_rad: reach * sun.radius_rad,
+            })
+            .collect();
+        let tiles = Tiles::new(view, up, horizon, &tile_lights);
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
         // An eclipse is not the same on both sides of the Sun.
         let sky_view = u32::from(within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none());
@@ -635,8 +664,9 @@ impl SkyRenderer {
             sky_view,
             tile: [2.0 * left + width - 1.0, 2.0 * bottom + height - 1.0, width, height],
             pixel: view.first_pixel.map(|pixel| pixel as f32),
-            horizon: himmel_air::geometry::horizon_cosine(radius_m, altitude_m).asin() as f32,
-            tile_reach: tile_reach(view) as f32,
+            horizon: horizon as f32,
+            horizon_mu: horizon.sin() as f32,
+            rectangles: tiles.rectangles,
             lights,
             disc: DiscUniform::new(
                 frame.sun.direction.normalize_or(DVec3::Z),
@@ -650,7 +680,7 @@ impl SkyRenderer {
                 .map_or_else(ShadowUniform::default, |shadow| ShadowUniform::new(shadow, view_from_enu)),
             ..ViewUniform::default()
         };
-        Ok((uniform, up, altitude_m))
+        Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges })
     }
 }
 
@@ -676,30 +706,6 @@ fn view_group(
     bind(device, "sky view", layout, &bound)
 }
 
-/// Tiles of a picture; the same in `sky.wgsl`.
-const TILES: [u32; 2] = [20, 14];
-
-/// The largest angle from the middle of a tile to its corners, with a tenth to spare; π where a tile has no direction.
-fn tile_reach(view: &View) -> f64 {
-    let [left, bottom, width, height] = view.part;
-    let [columns, rows] = TILES.map(f64::from);
-    let at = |x: f64, y: f64| {
-        let place = |from: f64, size: f64, share: f64| 2.0 * (from + size * share) - 1.0;
-        view.direction([place(left, width, x / columns), place(bottom, height, y / rows)])
-    };
-    let mut reach: f64 = 0.0;
-    // Tiles are widest in the middle or at an edge of a picture, never in between.
-    for x in [0.0, (columns / 2.0).floor(), columns - 1.0] {
-        for y in [0.0, (rows / 2.0).floor(), rows - 1.0] {
-            let Some(middle) = at(x + 0.5, y + 0.5) else { continue };
-            for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-                reach = reach.max(at(x + dx, y + dy).map_or(0.0, |corner| middle.angle_between(corner)));
-            }
-        }
-    }
-    1.1 * reach + 1e-3
-}
-
 /// The forms of the sky's pipeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Variant {
@@ -723,7 +729,7 @@ enum Variant {
 
 impl Variant {
     const COUNT: usize = 8;
-    /// Those that draw a picture from the table together.
+    /// Those that draw a picture from the table together, in the order of [`Needs::SETS`].
     const TILED: [Self; 5] = [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Everything];
 
     fn tiled(self) -> bool {
@@ -738,15 +744,10 @@ impl Variant {
         matches!(self, Self::MeteringMarch | Self::MeteringTable)
     }
 
-    /// What its pixels have: horizon, aureole, disc.
-    fn has(self) -> [bool; 3] {
-        match self {
-            Self::Plain => [false; 3],
-            Self::Horizon => [true, false, false],
-            Self::Aureole => [false, true, false],
-            Self::Both => [true, true, false],
-            _ => [true; 3],
-        }
+    /// What its pixels have.
+    fn has(self) -> Needs {
+        let set = Self::TILED.iter().position(|variant| *variant == self);
+        set.map_or(Needs::ALL, |set| Needs::SETS[set])
     }
 }
 
@@ -817,29 +818,25 @@ fn sky_pipeline(
 ) -> wgpu::RenderPipeline {
     let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
     let on = |yes: bool| f64::from(u8::from(yes));
-    let [horizon, aureole, disc] = variant.has();
-    let for_both = [
-        ("tiled", on(variant.tiled())),
+    let Needs { horizon, aureole, disc } = variant.has();
+    let marching = ("marching", on(variant.marching()));
+    let metering = ("metering", on(variant.metering()));
+    let vertex_constants =
+        vec![("tiled", on(variant.tiled())), ("far_depth", if reversed { 0.0 } else { 1.0 }), marching, metering];
+    let constants = vec![
         ("with_horizon", on(horizon)),
         ("with_aureole", on(aureole)),
         ("with_disc", on(disc)),
         ("linear", on(kind.linear)),
+        ("finished", on(target.output == Output::Display)),
+        ("several_lights", on(kind.several_lights)),
+        ("eclipses", on(kind.eclipsed)),
+        ("tonemap_operator", f64::from(kind.tonemap as u32)),
+        marching,
+        metering,
+        groups,
+        aerosols,
     ];
-    let vertex_constants: Vec<_> =
-        for_both.into_iter().chain([("far_depth", if reversed { 0.0 } else { 1.0 })]).collect();
-    let constants: Vec<_> = for_both
-        .into_iter()
-        .chain([
-            ("finished", on(target.output == Output::Display)),
-            ("metering", on(variant.metering())),
-            ("marching", on(variant.marching())),
-            ("several_lights", on(kind.several_lights)),
-            ("eclipses", on(kind.eclipsed)),
-            ("tonemap_operator", f64::from(kind.tonemap as u32)),
-            groups,
-            aerosols,
-        ])
-        .collect();
     let options = |constants| wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(if variant.metering() { "sky, metering" } else { "sky" }),

@@ -26,55 +26,40 @@ override linear: bool = false;
 // Whether there may be more than one light. One alone is read in place: rasterisers on CPUs gather what a loop indexes.
 override several_lights: bool = false;
 
-// Tiles of a picture along its sides.
-const TILES: vec2u = vec2u(20u, 14u);
+// Cells along the sides of a picture; the same in tiles.rs.
+const CELLS: vec2u = vec2u(80u, 56u);
 
 struct SkyVertex {
     @builtin(position) position: vec4f,
     @location(0) ndc: vec2f,
+    // The same for all pixels: factor on luminance …
+    @location(1) @interpolate(flat) exposure: f32,
+    // … and what the light of the sky-view table is to be multiplied by, for each light.
+    @location(2) @interpolate(flat) from_table: vec4f,
 }
 
 @vertex
 fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instance: u32) -> SkyVertex {
     var ndc = vec2f(f32(index & 1u), f32(index >> 1u)) * 4.0 - 1.0;
     if tiled {
-        let tile = vec2u(instance % TILES.x, instance / TILES.x);
+        let packed = view.rectangles[instance / 4u][instance % 4u];
+        let low = vec2u(packed & 0xffu, (packed >> 8u) & 0xffu);
+        let high = vec2u((packed >> 16u) & 0xffu, packed >> 24u);
         // Two triangles: (0,0) (1,0) (0,1), (0,1) (1,0) (1,1).
-        let corner = vec2u(u32(index == 1u || index == 4u || index == 5u), u32(index == 2u || index == 3u || index == 5u));
-        ndc = vec2f(tile + corner) / vec2f(TILES) * 2.0 - 1.0;
-        let needs = tile_needs(tile);
-        if any(needs != vec3<bool>(with_horizon, with_aureole, with_disc)) {
-            // Nothing: all its corners are one point.
-            ndc = vec2f(-1.0);
+        let far = vec2<bool>(index == 1u || index == 4u || index == 5u, index == 2u || index == 3u || index == 5u);
+        ndc = vec2f(select(low, high, far)) / vec2f(CELLS) * 2.0 - 1.0;
+    }
+    var exposure = frame.exposure;
+    if exposure == 0.0 && !metering {
+        exposure = textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
+    }
+    var from_table = vec4f(0.0);
+    if !marching {
+        for (var light = 0u; light < frame.light_count; light++) {
+            from_table[light] = 1.0 / sky_view_scale(light);
         }
     }
-    return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc);
-}
-
-// What the pixels of a tile need: horizon, aureole, disc; where a disc is, all of them.
-fn tile_needs(tile: vec2u) -> vec3<bool> {
-    let middle = look_direction(tile_ndc(vec2f(tile) + 0.5));
-    // Outside a fisheye, or so wide that nothing can be told.
-    if dot(middle, middle) < 0.5 || view.tile_reach > 1.0 {
-        return vec3<bool>(true, true, true);
-    }
-    let reach = view.tile_reach;
-    let elevation = asin(clamp(dot(middle, view.up), -1.0, 1.0));
-    var needs = vec3<bool>(abs(elevation - view.horizon) <= reach, false, false);
-    for (var light = 0u; light < frame.light_count; light++) {
-        needs.y = needs.y || dot(middle, view.lights[light].direction) > cos(AUREOLE_TO + reach);
-        // A hundredth more: discs are widened to a pixel.
-        // The corona reaches 40 radii.
-        let size = select(1.1, 40.0, light == 0u && view.disc.corona > 0.0);
-        let disc = size * view.lights[light].radius + reach + 0.01;
-        needs.z = needs.z || disc > PI || dot(middle, view.lights[light].disc_direction) > cos(disc);
-    }
-    return select(needs, vec3<bool>(true, true, true), needs.z);
-}
-
-// A place in tiles as ndc of the picture.
-fn tile_ndc(place: vec2f) -> vec2f {
-    return view.tile.xy + view.tile.zw * (place / vec2f(TILES) * 2.0 - 1.0);
+    return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc, exposure, from_table);
 }
 
 // The look direction of a point of the picture in view space; zero outside the picture (fisheye).
@@ -106,18 +91,19 @@ fn look_direction(ndc: vec2f) -> vec3f {
 }
 
 // Radiance along a ray with zenith cosine mu, all lights. `below`: whether it meets the ground.
-fn sky_radiance(ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
-    var sum = light_radiance(0u, ray, dx, dy, mu, sin_theta, below);
+fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
+    var sum = light_radiance(0u, from_table.x, ray, dx, dy, mu, sin_theta, below);
     if several_lights {
         for (var light = 1u; light < frame.light_count; light++) {
-            sum += light_radiance(light, ray, dx, dy, mu, sin_theta, below);
+            sum += light_radiance(light, from_table[light], ray, dx, dy, mu, sin_theta, below);
         }
     }
     return sum;
 }
 
 // The same of one light.
-fn light_radiance(light: u32, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
+fn light_radiance(
+    light: u32, from_table: f32, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
     var disc = vec4f(0.0);
     if with_disc && !below {
         disc = light_disc_radiance(light, ray, dx, dy);
@@ -140,9 +126,9 @@ fn light_radiance(light: u32, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_the
         through = select(through, vec4f(1.0), start.misses);
     } else {
         if with_aureole {
-            radiance = sky_view_radiance(light, ray, mu, below);
+            radiance = from_table * sky_view_radiance(light, ray, mu, below);
         } else {
-            radiance = sky_view_far(light, ray, mu, below);
+            radiance = from_table * sky_view_far(light, ray, mu, below);
         }
         if with_disc {
             through = transmittance_to_space(view.altitude_m, mu);
@@ -162,11 +148,11 @@ fn rec709_of(four: vec4f) -> vec3f {
 
 // Luminance of a ray. The horizon is smoothed over a pixel: there the ground below and the sky above it are mixed.
 // `dx`, `dy`: how the ray changes to the next pixel.
-fn sky_luminance(ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
+fn sky_luminance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
     let mu = dot(ray, view.up);
-    let horizon = horizon_cosine(airs[body].bottom_radius_m, view.altitude_m);
+    let horizon = view.horizon_mu;
     if !with_horizon {
-        return rec709_of(sky_radiance(ray, dx, dy, mu, length(cross(ray, view.up)), mu < horizon));
+        return rec709_of(sky_radiance(from_table, ray, dx, dy, mu, length(cross(ray, view.up)), mu < horizon));
     }
     let pixel = 0.5 * (length(dx) + length(dy));
     // Height above the horizon in pixels; cosines near it differ as angles do, times the sine.
@@ -184,7 +170,7 @@ fn sky_luminance(ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
         let sin_theta = select(own_sine, min(sine_of_limb * (1.0 + side * 1e-6), 1.0), both);
         let side_mu = select(mu, min(horizon + side * 1e-6, 0.0), both);
         let share = select(1.0, 0.5 + side * above, both);
-        four += share * sky_radiance(ray, dx, dy, side_mu, sin_theta, side < 0.0);
+        four += share * sky_radiance(from_table, ray, dx, dy, side_mu, sin_theta, side < 0.0);
     }
     return rec709_of(four);
 }
@@ -202,15 +188,11 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
         // Nothing: the corners of a fisheye.
         return vec4f(0.0);
     }
-    var luminance = sky_luminance(look, dx, dy);
+    var luminance = sky_luminance(in.from_table, look, dx, dy);
     if metering {
         return vec4f(luminance, 1.0);
     }
-    var exposure = frame.exposure;
-    if exposure == 0.0 {
-        exposure = textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
-    }
-    luminance *= exposure;
+    luminance *= in.exposure;
     if finished == 0u {
         return vec4f(clamp(luminance, vec3f(-frame.largest), vec3f(frame.largest)), 1.0);
     }

@@ -74,8 +74,8 @@ struct ViewUniform {
     pixel: vec2f,
     // Elevation of the horizon, rad.
     horizon: f32,
-    // Angle from the middle of a tile of the picture to its corners, at most, rad.
-    tile_reach: f32,
+    // Cosine of the horizon's zenith angle.
+    horizon_mu: f32,
     lights: array<LightUniform, 4>,
     // The first light's disc, and the shadow of what stands before it.
     disc: DiscUniform,
@@ -85,6 +85,8 @@ struct ViewUniform {
     padding_0: f32,
     padding_1: f32,
     padding_2: f32,
+    // Rectangles of cells, four to a vector: x₀, y₀, x₁, y₁ in cells, a byte each, from the lowest.
+    rectangles: array<vec4u, 70>,
 }
 
 @group(0) @binding(0) var<uniform> frame: FrameUniform;

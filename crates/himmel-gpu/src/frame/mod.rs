@@ -91,8 +91,8 @@ gpu_struct! {
         pub pixel: [f32; 2],
         /// Elevation of the horizon, rad.
         pub horizon: f32,
-        /// Angle from the middle of a tile to its corners, rad.
-        pub tile_reach: f32,
+        /// Cosine of the horizon's zenith angle.
+        pub horizon_mu: f32,
         /// The lights.
         pub lights: [LightUniform; MOST_LIGHTS],
         /// The first light's disc.
@@ -107,5 +107,7 @@ gpu_struct! {
         pub padding_1: f32,
         /// Fills up.
         pub padding_2: f32,
+        /// Rectangles of cells, see `tiles.rs`.
+        pub rectangles: [[[u32; 4]; 14]; 5],
     }
 }

@@ -8,7 +8,7 @@
 @group(1) @binding(2) var sky_view_table: texture_2d_array<f32>;
 @group(1) @binding(3) var linear_sampler: sampler;
 
-// Angles to the light between which the peaks go over from the pixel to the table, rad.
+// Angles to the light between which the peaks go over from the pixel to the table, rad; the second also in tiles.rs.
 const AUREOLE_FROM: f32 = 0.20;
 const AUREOLE_TO: f32 = 0.35;
 
@@ -41,10 +41,9 @@ fn sky_view_sample(layer: u32, uv: vec2f) -> vec4f {
     return textureSampleLevel(sky_view_table, linear_sampler, uv, layer, 0.0);
 }
 
-// Radiance along a ray at more than AUREOLE_TO from the light, per unit irradiance of the light, 1/sr.
+// Radiance along a ray at more than AUREOLE_TO from the light, per unit irradiance of the light, 1/sr, times the scale.
 fn sky_view_far(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
-    let stored = sky_view_sample(sky_view_layer(light), sky_view_uv(light, ray, mu, below));
-    return max(stored, vec4f(0.0)) / sky_view_scale(light);
+    return max(sky_view_sample(sky_view_layer(light), sky_view_uv(light, ray, mu, below)), vec4f(0.0));
 }
 
 // The same at any angle.
@@ -56,5 +55,5 @@ fn sky_view_radiance(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
         let theta = angle_between(ray, view.lights[light].direction);
         stored += sky_view_sample(layer + 1u, uv) * mean_phase(theta_coordinate_of(theta));
     }
-    return max(stored, vec4f(0.0)) / sky_view_scale(light);
+    return max(stored, vec4f(0.0));
 }
