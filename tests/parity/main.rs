@@ -7,4 +7,5 @@ mod bloom;
 mod functions;
 mod host;
 mod pictures;
+mod saved;
 mod sun;

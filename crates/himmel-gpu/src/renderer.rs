@@ -15,7 +15,7 @@ use crate::output::meter::{self, Meter, MeterUniform};
 use crate::output::params::{OutputParams, Tonemap};
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
-use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
+use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::cleared;
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
@@ -328,6 +328,35 @@ impl SkyRenderer {
     /// Ends a rebuild where it is: the sky keeps the orders of scattering that it shows.
     pub fn cancel_rebuild(&mut self) {
         self.air.cancel();
+    }
+
+    /// What the air's tables are made of: two of one key are the same to the last bit.
+    pub fn tables_key(&self) -> Result<TablesKey, GpuError> {
+        self.air.key(&self.device)
+    }
+
+    /// Reads the air's finished tables back, to be saved and given to [`load_tables`](Self::load_tables) another time. An
+    /// error while they are rebuilt, or after a rebuild that was cancelled. Call when the frames that filled them are
+    /// submitted.
+    pub fn save_tables(&self) -> Result<TablesReadBack, GpuError> {
+        self.air.save(&self.device, &self.queue)
+    }
+
+    /// Takes tables that were saved instead of rebuilding them. They must be whole and of the same
+    /// [`key`](Self::tables_key); on an error nothing has changed and the rebuild goes on.
+    pub fn load_tables(&mut self, bytes: &[u8]) -> Result<(), GpuError> {
+        self.air.load(&self.device, &self.queue, bytes)
+    }
+
+    /// How many airs keep their finished tables on the GPU when [`set_atmosphere`](Self::set_atmosphere) takes another: to
+    /// switch between prepared ones without a rebuild. None at first; the one least recently left goes first.
+    pub fn set_kept(&mut self, count: usize) {
+        self.air.set_kept(count);
+    }
+
+    /// Memory of the tables that are kept, in bytes; [`table_bytes`](Self::table_bytes) has it too.
+    pub fn kept_bytes(&self) -> u64 {
+        self.air.kept_bytes()
     }
 
     /// How much of a rebuild each frame does.
