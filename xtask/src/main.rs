@@ -1,5 +1,5 @@
 //! Development tasks: `cargo xtask golden propose | review | accept NAME… | accept --all`,
-//! `cargo xtask accuracy reference | moments | colour`.
+//! `cargo xtask accuracy reference | moments | colour | day`.
 //!
 //! Data is made by the scripts beside this crate: `xtask/data/*.py` (colour, light, air, places) and `xtask/astro/*.py`
 //! (ephemeris pack, series, stars); each names what it needs at its top, and each table's `SOURCE.md` names its command.
@@ -11,7 +11,7 @@ use std::process::ExitCode;
 const USAGE: &str = "cargo xtask golden propose [TEST…]   run the golden tests and keep their new pictures
 cargo xtask golden review              compare them with the accepted ones, numbers and a sheet each
 cargo xtask golden accept NAME… | --all
-cargo xtask accuracy reference | moments | colour [--quick] [--output FILE.md]   tables of errors, for docs/";
+cargo xtask accuracy reference | moments | colour | day [--quick] [--output FILE.md]   tables of errors, for docs/";
 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();

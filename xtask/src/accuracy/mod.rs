@@ -1,6 +1,7 @@
 //! `cargo xtask accuracy`: how far results are from those of others, as tables for `docs/`.
 
 mod colour;
+mod day;
 mod moments;
 mod reference;
 
@@ -14,6 +15,8 @@ pub const USAGE: &str =
 cargo xtask accuracy moments [--quick] [--output FILE.md]     the moment solver and Hillaire 2020 against the tracer
 cargo xtask accuracy gpu [--quick] [--output FILE.md]         the renderer on the GPU, and Hillaire 2020, against the tracer
 cargo xtask accuracy colour [--quick] [--output FILE.md]      four wavelengths and sharp channels against full spectra
+cargo xtask accuracy day [--quick] [--output FILE.md]         a day's illuminance against a published fit; day.svg beside FILE.md
+cargo xtask accuracy day-pictures --output FOLDER             the day's pictures, and a night with and without the Moon
 cargo xtask accuracy grid [--quick]                           questions for `himmel radiance`, a grid over all geometries";
 
 /// How much work.
@@ -46,6 +49,12 @@ pub fn run(args: &[String]) -> Result<(), String> {
         print!("{}", grid(work));
         return Ok(());
     }
+    if what.as_deref() == Some("day-pictures") {
+        let folder = output.ok_or("day-pictures takes --output FOLDER")?;
+        print!("{}", day::pictures(std::path::Path::new(&folder))?);
+        return Ok(());
+    }
+    let beside = output.as_ref().and_then(|path| std::path::Path::new(path).parent());
     let started = std::time::Instant::now();
     let mut text = match what.as_deref() {
         Some("reference") => reference::table(work)?,
@@ -55,6 +64,7 @@ pub fn run(args: &[String]) -> Result<(), String> {
             format!("Adapter: {}.\n\n{}", gpu.report(), moments::table(work, Some(&gpu))?)
         }
         Some("colour") => colour::table(work)?,
+        Some("day") => day::table(work, beside)?,
         _ => return Err(USAGE.into()),
     };
     let _ = writeln!(

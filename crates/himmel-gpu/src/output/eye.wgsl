@@ -49,7 +49,7 @@ fn brightness(photopic: f32, scotopic: f32) -> f32 {
     let p = max(photopic, 0.0);
     let s = max(scotopic, 0.0) + EIGENGRAU;
     // 10^1.255 is Weber's day.
-    return min(max(p / cone_threshold(p), s / rod_threshold(s)) / 17.98871, 1.0);
+    return min(length(vec2f(p / cone_threshold(p), s / rod_threshold(s))) / 17.98871, 1.0);
 }
 
 // What is seen of a luminance (linear Rec. 709, cd/m²): mesopic luminance with as much of the colour as cones give, and

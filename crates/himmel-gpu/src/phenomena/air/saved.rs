@@ -89,8 +89,8 @@ impl TablesReadBack {
             usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let mut encoder = device
-            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("air tables, read back") });
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("air tables, read back") });
         let mut offset = 0;
         for (texture, &(row, count)) in textures.iter().zip(&rows) {
             let layout = wgpu::TexelCopyBufferLayout {
@@ -274,8 +274,7 @@ impl Kept {
 }
 
 fn copy(device: &wgpu::Device, queue: &wgpu::Queue, from: [&wgpu::Texture; 3], to: [&wgpu::Texture; 3]) {
-    let mut encoder =
-        device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("kept tables") });
+    let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("kept tables") });
     for (from, to) in from.into_iter().zip(to) {
         encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
     }
