@@ -34,6 +34,9 @@ struct Frame {
     zenith_cd_m2: f64,
 }
 
+/// A value of a frame, where it has one.
+type Quantity = dyn Fn(&Frame) -> Option<f64>;
+
 /// The Moon as a light: its direction, altitude and illuminance above the air. By Allen's law with the opposition surge.
 fn moon(ephemeris: &dyn Ephemeris, model: &SkyModel) -> Result<(glam::DVec3, f64, f64), String> {
     let failed = |error: himmel::parts::astro::AstroError| error.to_string();
@@ -168,7 +171,7 @@ fn plot(frames: &[Frame]) -> Result<String, String> {
             .y_label_formatter(&|value| format!("{value:.0e}"))
             .draw()
             .map_err(failed)?;
-        let curves: [(&str, &dyn Fn(&Frame) -> Option<f64>); 5] = [
+        let curves: [(&str, &Quantity); 5] = [
             ("level surface, Sun", &|f| Some(f.sun_lx)),
             ("level surface, Moon", &|f| Some(f.moon_lx)),
             ("zenith, cd/m²", &|f| Some(f.zenith_cd_m2)),
@@ -180,8 +183,9 @@ fn plot(frames: &[Frame]) -> Result<String, String> {
         ];
         for (i, (name, value)) in curves.into_iter().enumerate() {
             let colour = Palette99::pick(if i < 3 { i } else { i - 3 }).to_rgba();
-            let points: Vec<(f64, f64)> =
-                frames.iter().filter_map(|f| Some((f.hours, value(f).filter(|v| *v > NIGHT_LX)?))).collect();
+            // Curves run along the bottom where there is no light.
+            let shown = |v: f64| if i < 3 { Some(v.max(NIGHT_LX)) } else { Some(v).filter(|v| *v > NIGHT_LX) };
+            let points: Vec<(f64, f64)> = frames.iter().filter_map(|f| Some((f.hours, shown(value(f)?)?))).collect();
             if i < 3 {
                 chart
                     .draw_series(LineSeries::new(points, colour.stroke_width(2)))
@@ -198,7 +202,7 @@ fn plot(frames: &[Frame]) -> Result<String, String> {
         }
         chart
             .configure_series_labels()
-            .position(SeriesLabelPosition::MiddleMiddle)
+            .position(SeriesLabelPosition::UpperMiddle)
             .background_style(WHITE.mix(0.8))
             .border_style(BLACK.mix(0.3))
             .draw()
@@ -217,6 +221,8 @@ fn plot(frames: &[Frame]) -> Result<String, String> {
                 let (altitude, ours) = match moon {
                     true if f.sun_deg > -12.0 => return None,
                     true => (f.moon_deg, f.moon_lx * FULL_MOON_LX / f.moon_above_lx),
+                    // Deeper, starlight and airglow are most of it.
+                    false if f.sun_deg < -14.0 => return None,
                     false => (f.sun_deg, f.sun_lx),
                 };
                 Some((altitude, ours.log10() - published(altitude, moon)?))
@@ -263,7 +269,12 @@ pub fn pictures(folder: &Path) -> Result<String, String> {
     let gpu = Gpu::open(None).map_err(|error| failed(&error))?;
     let ephemeris = Precise::embedded().map_err(|error| failed(&error))?;
     let mut text = String::from("| hours | Sun | EV100 | mean of the picture, 0–255 |\n|---|---|---|---|\n");
-    let view = View::with_projection(std::f64::consts::PI, std::f64::consts::FRAC_PI_2, Projection::Fisheye(3.14), 1.0);
+    let view = View::with_projection(
+        std::f64::consts::PI,
+        std::f64::consts::FRAC_PI_2,
+        Projection::Fisheye(std::f64::consts::PI),
+        1.0,
+    );
     let first = model_at(0)?;
     let mut still = Still::new(&gpu, Output::Display, first.atmosphere()).map_err(|error| failed(&error))?;
     let mut draw = |frame: &FrameState, view: &View, size: (u32, u32)| {
