@@ -31,6 +31,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/air/medium.wgsl", include_str!("phenomena/air/medium.wgsl")),
     ("phenomena/air/query.wgsl", include_str!("phenomena/air/query.wgsl")),
     ("phenomena/air/sky_view.wgsl", include_str!("phenomena/air/sky_view.wgsl")),
+    ("phenomena/air/sky_view_refine.wgsl", include_str!("phenomena/air/sky_view_refine.wgsl")),
     ("phenomena/air/sky_view_table.wgsl", include_str!("phenomena/air/sky_view_table.wgsl")),
     ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
     ("phenomena/sun/bending.wgsl", include_str!("phenomena/sun/bending.wgsl")),
@@ -55,12 +56,10 @@ pub const ROOTS: &[&str] = &[
     "phenomena/air/build/resolve.wgsl",
     "phenomena/air/cells.wgsl",
     "phenomena/air/sky_view.wgsl",
+    "phenomena/air/sky_view_refine.wgsl",
     "phenomena/air/query.wgsl",
     "phenomena/air/froxels.wgsl",
     "phenomena/air/apply.wgsl",
-    "comparison/empty.wgsl",
-    "comparison/hillaire_sky.wgsl",
-    "comparison/hillaire_tables.wgsl",
 ];
 
 /// Why shader files could not be joined.
