@@ -3,7 +3,10 @@
 mod air;
 mod allocation;
 mod apply_air;
+mod bloom;
+mod day;
 mod functions;
 mod host;
 mod pictures;
+mod saved;
 mod sun;

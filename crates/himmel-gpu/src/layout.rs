@@ -57,5 +57,7 @@ pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
     ("phenomena/air/build/resolve.wgsl", crate::phenomena::air::build::BuildUniform::LAYOUT),
     ("phenomena/air/apply.wgsl", crate::phenomena::air::ApplyUniform::LAYOUT),
     ("phenomena/air/query.wgsl", crate::phenomena::air::Query::LAYOUT),
+    ("output/meter.wgsl", crate::output::meter::MeterUniform::LAYOUT),
+    ("output/bloom.wgsl", crate::output::bloom::BloomUniform::LAYOUT),
     ("comparison/hillaire_sky.wgsl", crate::comparison::HillaireUniform::LAYOUT),
 ];

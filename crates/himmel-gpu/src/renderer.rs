@@ -11,11 +11,11 @@ use wgpu::util::StagingBelt;
 
 use crate::error::GpuError;
 use crate::frame::{FrameUniform, LightUniform, MOST_LIGHTS, ViewUniform};
-use crate::output::meter::{self, Meter};
+use crate::output::meter::{self, Meter, MeterUniform};
 use crate::output::params::{OutputParams, Tonemap};
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
-use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
+use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::cleared;
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
@@ -57,13 +57,15 @@ pub struct FrameState {
     pub altitude_m: f64,
     /// Exposure and tone mapping.
     pub output: OutputParams,
+    /// Real seconds since the last frame, for [`Adaptation`](crate::Adaptation); `None`: adapted at once.
+    pub seconds: Option<f64>,
 }
 
 impl FrameState {
     /// One sun, nothing before it, nothing bent.
     pub fn new(sun: SunState, altitude_m: f64, output: OutputParams) -> Self {
         let bending = Arc::new(Bending::none());
-        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output }
+        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output, seconds: None }
     }
 
     /// All suns, the first one first.
@@ -330,6 +332,35 @@ impl SkyRenderer {
         self.air.cancel();
     }
 
+    /// What the air's tables are made of: two of one key are the same to the last bit.
+    pub fn tables_key(&self) -> Result<TablesKey, GpuError> {
+        self.air.key(&self.device)
+    }
+
+    /// Reads the air's finished tables back, to be saved and given to [`load_tables`](Self::load_tables) another time. An
+    /// error while they are rebuilt, or after a rebuild that was cancelled. Call when the frames that filled them are
+    /// submitted.
+    pub fn save_tables(&self) -> Result<TablesReadBack, GpuError> {
+        self.air.save(&self.device, &self.queue)
+    }
+
+    /// Takes tables that were saved instead of rebuilding them. They must be whole and of the same
+    /// [`key`](Self::tables_key); on an error nothing has changed and the rebuild goes on.
+    pub fn load_tables(&mut self, bytes: &[u8]) -> Result<(), GpuError> {
+        self.air.load(&self.device, &self.queue, bytes)
+    }
+
+    /// How many airs keep their finished tables on the GPU when [`set_atmosphere`](Self::set_atmosphere) takes another: to
+    /// switch between prepared ones without a rebuild. None at first; the one least recently left goes first.
+    pub fn set_kept(&mut self, count: usize) {
+        self.air.set_kept(count);
+    }
+
+    /// Memory of the tables that are kept, in bytes; [`table_bytes`](Self::table_bytes) has it too.
+    pub fn kept_bytes(&self) -> u64 {
+        self.air.kept_bytes()
+    }
+
     /// How much of a rebuild each frame does.
     pub fn set_pace(&mut self, pace: Pace) {
         self.pace = pace;
@@ -416,6 +447,8 @@ impl SkyRenderer {
         let exposure = frame.output.exposure_for(self.target.output).factor();
         let uniform = self.frame_uniform(frame, exposure);
         self.uploads.write(encoder, &self.frame_buffer, 0, bytemuck::bytes_of(&uniform));
+        let metering = MeterUniform::new(&frame.output, frame.seconds);
+        self.uploads.write(encoder, &self.meter.uniform, 0, bytemuck::bytes_of(&metering));
         for (slot, uniform) in uniforms.iter().enumerate() {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));

@@ -11,7 +11,9 @@ pub const FILES: &[(&str, &str)] = &[
     ("comparison/hillaire_tables.wgsl", include_str!("comparison/hillaire_tables.wgsl")),
     ("frame/frame.wgsl", include_str!("frame/frame.wgsl")),
     ("frame/sphere.wgsl", include_str!("frame/sphere.wgsl")),
+    ("output/bloom.wgsl", include_str!("output/bloom.wgsl")),
     ("output/dither.wgsl", include_str!("output/dither.wgsl")),
+    ("output/eye.wgsl", include_str!("output/eye.wgsl")),
     ("output/meter.wgsl", include_str!("output/meter.wgsl")),
     ("output/tonemap.wgsl", include_str!("output/tonemap.wgsl")),
     ("phenomena/air/aerial.wgsl", include_str!("phenomena/air/aerial.wgsl")),
@@ -42,6 +44,7 @@ pub const FILES: &[(&str, &str)] = &[
 /// The files that are entry points of pipelines.
 pub const ROOTS: &[&str] = &[
     "sky.wgsl",
+    "output/bloom.wgsl",
     "output/meter.wgsl",
     "comparison/empty.wgsl",
     "comparison/hillaire_sky.wgsl",

@@ -31,14 +31,16 @@ mod rays;
 mod scene;
 mod sky;
 pub mod spectral;
+mod tables_cache;
 
 pub use clock::{Clock, parse_time};
 pub use error::{Error, Result};
 pub use himmel_air::{AirParams, AirQuality, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
-    AdapterReport, AirSizes, ApplyAir, DepthDirection, Exposure, Gpu, GpuError, Occluder, Output, OutputParams, Pace,
-    PassTimes, Picture, Pixels, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, Still, Target, Tonemap, View,
+    Adaptation, AdapterReport, AirSizes, ApplyAir, Bloom, BloomFrame, BloomPass, DepthDirection, Exposure, Gpu,
+    GpuError, Occluder, Output, OutputParams, Pace, PassTimes, Picture, Pixels, Projection, RayMeter, Rebuild,
+    ShadowMap, SkyRenderer, Still, TablesKey, TablesReadBack, Target, Tonemap, View,
 };
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};
@@ -48,6 +50,7 @@ pub use rays::{Seen, rays_on_gpu};
 pub use scene::{CameraParams, ClockParams, ObserverParams, ProjectionKind, Scene};
 pub use sky::Sky;
 pub use spectral::ReferencePicture;
+pub use tables_cache::TablesCache;
 
 // Their types are in this API.
 pub use glam;

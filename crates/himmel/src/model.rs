@@ -356,6 +356,7 @@ impl SkyModel {
             bending: self.bending(),
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),
+            seconds: None,
         })
     }
 
