@@ -57,5 +57,7 @@ pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
     ("phenomena/air/build/resolve.wgsl", crate::phenomena::air::build::BuildUniform::LAYOUT),
     ("phenomena/air/apply.wgsl", crate::phenomena::air::ApplyUniform::LAYOUT),
     ("phenomena/air/query.wgsl", crate::phenomena::air::Query::LAYOUT),
+    ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointLight::LAYOUT),
+    ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointsUniform::LAYOUT),
     ("comparison/hillaire_sky.wgsl", crate::comparison::HillaireUniform::LAYOUT),
 ];

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 use himmel_air::eclipse::Shadow;
 use himmel_air::refraction::Bending;
-use himmel_air::{AirQuality, Atmosphere, sun};
+use himmel_air::{AirQuality, Atmosphere, Starlight, sun};
 use wgpu::util::StagingBelt;
 
 use crate::error::GpuError;
@@ -17,6 +17,7 @@ use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
 use crate::tiles::{Needs, TileLight, Tiles};
@@ -53,6 +54,12 @@ pub struct FrameState {
     pub shadow: Option<Shadow>,
     /// How the air bends what is seen.
     pub bending: Arc<Bending>,
+    /// The stars; `None`: there are none.
+    pub stars: Option<StarField>,
+    /// Points of light besides stars; at most 128.
+    pub bodies: Vec<PointBody>,
+    /// Discs that hide points; at most 4.
+    pub hiders: Vec<Hider>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
@@ -63,7 +70,18 @@ impl FrameState {
     /// One sun, nothing before it, nothing bent.
     pub fn new(sun: SunState, altitude_m: f64, output: OutputParams) -> Self {
         let bending = Arc::new(Bending::none());
-        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output }
+        Self {
+            sun,
+            other_suns: Vec::new(),
+            occluder: None,
+            shadow: None,
+            bending,
+            stars: None,
+            bodies: Vec::new(),
+            hiders: Vec::new(),
+            altitude_m,
+            output,
+        }
     }
 
     /// All suns, the first one first.
@@ -75,6 +93,13 @@ impl FrameState {
         let count = self.suns().count();
         if count > MOST_LIGHTS {
             return Err(GpuError::View(format!("a frame has at most {MOST_LIGHTS} suns, got {count}")));
+        }
+        if self.bodies.len() > MOST_BODIES || self.hiders.len() > MOST_HIDERS {
+            return Err(GpuError::View(format!(
+                "a frame has at most {MOST_BODIES} points besides stars and {MOST_HIDERS} discs before them, got {} and {}",
+                self.bodies.len(),
+                self.hiders.len()
+            )));
         }
         let finite = |sun: &SunState| {
             sun.direction.is_finite()
@@ -128,6 +153,8 @@ pub struct SkyRenderer {
     view_stride: u64,
     capacity: usize,
     prepared: usize,
+    points: Points,
+    starlight: Starlight,
     /// Made when air is first applied to a host's picture.
     apply: Option<Apply>,
     /// The prepared views, the number of lights, the tone mapper.
@@ -212,6 +239,7 @@ impl SkyRenderer {
             bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
             immediate_size: 0,
         });
+        let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
         let pipelines = Pipelines {
             device: device.clone(),
             target: *target,
@@ -250,6 +278,8 @@ impl SkyRenderer {
             view_stride,
             capacity: FIRST_CAPACITY,
             prepared: 0,
+            points,
+            starlight: atmosphere.starlight(),
             apply: None,
             views: Vec::new(),
             lights: 1,
@@ -299,6 +329,8 @@ impl SkyRenderer {
             limb_darkening,
             ..FrameUniform::default()
         };
+        self.starlight = atmosphere.starlight();
+        self.points.set_air(self.air.constants());
         self.bottom_radius_m = atmosphere.medium().bottom_radius_m;
         self.top_altitude_m = atmosphere.medium().top_altitude_m;
     }
@@ -315,7 +347,7 @@ impl SkyRenderer {
 
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.air.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
+        self.air.bytes() + self.points.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
     /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
@@ -418,6 +450,8 @@ impl SkyRenderer {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
         }
+        let marching: Vec<bool> = uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0).collect();
+        self.prepare_points(encoder, frame, views, &marching, lights > 1)?;
         self.record_build(encoder);
         self.uploads.finish();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -443,14 +477,37 @@ impl SkyRenderer {
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
-        self.marching.clear();
-        self.marching.extend(uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0));
+        self.marching = marching;
         match exposure {
             None => self.record_metering(encoder, stamps),
             Some(factor) => self.meter.set(encoder, factor),
         }
         self.prepared = views.len();
         Ok(())
+    }
+
+    fn prepare_points(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameState,
+        views: &[View],
+        marching: &[bool],
+        several_lights: bool,
+    ) -> Result<(), GpuError> {
+        let scene = PointsScene {
+            stars: frame.stars.as_ref(),
+            bodies: &frame.bodies,
+            hiders: &frame.hiders,
+            bending: &frame.bending,
+            altitude_m: frame.altitude_m,
+            several_lights,
+            eclipsed: frame.shadow.is_some(),
+            tonemap: frame.output.tonemap,
+        };
+        let Self { points, queue, starlight, uploads, .. } = self;
+        points.prepare(queue, &scene, starlight, views, marching, &mut |buffer, offset, bytes| {
+            uploads.write(encoder, buffer, offset, bytes);
+        })
     }
 
     /// Limb darkening of the Sun at the four wavelengths.
@@ -478,7 +535,7 @@ impl SkyRenderer {
     }
 
     /// Draws a view of the prepared frame into the host's pass, at infinite depth. Sets its own pipeline and bind
-    /// groups 0 and 1; touches nothing else. A view that was not prepared is left out with a warning.
+    /// groups 0 to 2; touches nothing else. A view that was not prepared is left out with a warning.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         if view_index >= self.prepared {
             tracing::warn!(view_index, prepared = self.prepared, "the sky was not prepared for this view");
@@ -497,6 +554,7 @@ impl SkyRenderer {
                 }
             }
         }
+        self.points.draw(pass, view_index);
     }
 
     /// Puts the air before a picture that the host has drawn from a prepared view: attenuates its colours (linear

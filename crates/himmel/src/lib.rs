@@ -27,6 +27,7 @@ mod model;
 mod observer;
 pub mod picture;
 pub mod place;
+mod points;
 mod rays;
 mod scene;
 mod sky;
@@ -37,8 +38,8 @@ pub use error::{Error, Result};
 pub use himmel_air::{AirParams, AirQuality, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
-    AdapterReport, AirSizes, ApplyAir, DepthDirection, Exposure, Gpu, GpuError, Occluder, Output, OutputParams, Pace,
-    PassTimes, Picture, Pixels, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, Still, Target, Tonemap, View,
+    AdapterReport, AirSizes, ApplyAir, DepthDirection, Exposure, Glare, Gpu, GpuError, Occluder, Output, OutputParams, Pace,
+    PassTimes, Picture, Pixels, PointSpread, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, StarsParams, Still, Target, Tonemap, View,
 };
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};

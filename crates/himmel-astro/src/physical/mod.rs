@@ -16,5 +16,5 @@ pub use saturn::{RingAspect, SATURN_RING_EDGES_M};
 
 /// Illuminance in lx of a light of visual magnitude V: 2.54e-6 lx · 10^(−0.4 V)   [allen1973].
 pub fn illuminance_lx(v_magnitude: f64) -> f64 {
-    2.54e-6 * 10f64.powf(-0.4 * v_magnitude)
+    himmel_core::constants::ILLUMINANCE_OF_V_0_LX * 10f64.powf(-0.4 * v_magnitude)
 }
