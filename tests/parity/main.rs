@@ -6,4 +6,5 @@ mod apply_air;
 mod functions;
 mod host;
 mod pictures;
+mod stars;
 mod sun;

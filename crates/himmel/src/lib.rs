@@ -19,6 +19,7 @@
 //! [`SkyModel`] is the same sky without a GPU, [`ReferencePicture`] its picture by a Monte Carlo tracer. [`Scene`] is everything that decides a picture, as a file.
 
 pub mod bench;
+pub mod bench_stars;
 mod clock;
 mod error;
 mod light;
@@ -43,7 +44,7 @@ pub use himmel_gpu::{
 };
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};
-pub use model::{SkyModel, SunPlace, visible_fraction};
+pub use model::{SkyModel, SunPlace, direction_enu, visible_fraction};
 pub use observer::Observer;
 pub use rays::{Seen, rays_on_gpu};
 pub use scene::{CameraParams, ClockParams, ObserverParams, ProjectionKind, Scene};
