@@ -162,6 +162,7 @@ pub struct SkyRenderer {
     lights: u32,
     tonemap: Tonemap,
     eclipsed: bool,
+    occluded: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     /// Of the metering view and each prepared one: its tiles by what they need.
@@ -285,6 +286,7 @@ impl SkyRenderer {
             lights: 1,
             tonemap: OutputParams::default().tonemap,
             eclipsed: false,
+            occluded: false,
             marching: Vec::new(),
             tiles: Vec::new(),
             uploads: Uploads {
@@ -474,6 +476,7 @@ impl SkyRenderer {
         self.lights = lights;
         self.tonemap = frame.output.tonemap;
         self.eclipsed = frame.shadow.is_some();
+        self.occluded = frame.occluder.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
@@ -624,6 +627,7 @@ impl SkyRenderer {
             several_lights: self.lights > 1,
             tonemap: self.tonemap,
             eclipsed: self.eclipsed,
+            occluded: self.occluded,
         }
     }
 
@@ -817,7 +821,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 8 * Tonemap::ALL.len()];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 16 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -828,8 +832,10 @@ struct Kind {
     several_lights: bool,
     /// How finished pictures are tone mapped.
     tonemap: Tonemap,
-    /// Whether something stands before the Sun.
+    /// Whether something stands before the Sun for the air …
     eclipsed: bool,
+    /// … and for its disc.
+    occluded: bool,
 }
 
 fn none_made() -> Made {
@@ -843,7 +849,13 @@ impl Pipelines {
         for variant in variants {
             self.get(
                 *variant,
-                Kind { linear: true, several_lights: false, tonemap: OutputParams::default().tonemap, eclipsed: false },
+                Kind {
+                    linear: true,
+                    several_lights: false,
+                    tonemap: OutputParams::default().tonemap,
+                    eclipsed: false,
+                    occluded: false,
+                },
             );
         }
     }
@@ -852,7 +864,8 @@ impl Pipelines {
         let at = usize::from(kind.linear)
             + 2 * usize::from(kind.several_lights)
             + 4 * usize::from(kind.eclipsed)
-            + 8 * kind.tonemap as usize;
+            + 8 * usize::from(kind.occluded)
+            + 16 * kind.tonemap as usize;
         self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
@@ -885,6 +898,7 @@ fn sky_pipeline(
         ("finished", on(target.output == Output::Display)),
         ("several_lights", on(kind.several_lights)),
         ("eclipses", on(kind.eclipsed)),
+        ("occluded", on(kind.occluded)),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),
         marching,
         metering,
