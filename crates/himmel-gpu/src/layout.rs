@@ -59,5 +59,6 @@ pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
     ("phenomena/air/query.wgsl", crate::phenomena::air::Query::LAYOUT),
     ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointLight::LAYOUT),
     ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointsUniform::LAYOUT),
+    ("phenomena/stars/points.wgsl", crate::phenomena::stars::SeenPoint::LAYOUT),
     ("comparison/hillaire_sky.wgsl", crate::comparison::HillaireUniform::LAYOUT),
 ];

@@ -482,8 +482,18 @@ impl SkyRenderer {
         self.tiles = ranges;
         self.marching = marching;
         match exposure {
-            None => self.record_metering(encoder, stamps),
+            None => self.record_metering(encoder, stamps.as_deref_mut()),
             Some(factor) => self.meter.set(encoder, factor),
+        }
+        if self.points.any() {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("points"),
+                timestamp_writes: stamps.and_then(|stamps| stamps.next_compute("points")),
+            });
+            self.points.record(&mut pass, &|pass, view_index| {
+                pass.set_bind_group(0, &self.air.group, &[]);
+                pass.set_bind_group(1, &self.view_group, &[((view_index as u64 + 1) * self.view_stride) as u32]);
+            });
         }
         self.prepared = views.len();
         Ok(())

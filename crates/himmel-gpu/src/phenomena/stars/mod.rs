@@ -1,8 +1,8 @@
 //! Stars: points of light, and all other points that are drawn like them.
 //!
-//! One list of points lies on the GPU; a frame uploads only uniforms. The vertex stage moves each star by its proper motion,
-//! by parallax, aberration, precession and nutation, lifts it by the air's refraction, dims and reddens it by the air's
-//! optical depth, lets it twinkle, and drops it behind ground, Sun and Moon. The fragment stage spreads its light.
+//! One list of points lies on the GPU; a frame uploads only uniforms. For each view one invocation moves a star by its
+//! proper motion, by parallax, aberration, precession and nutation, lifts it by the air's refraction, dims and reddens it by
+//! the air's optical depth, lets it twinkle, and drops it behind ground, Sun and Moon. The fragment stage spreads its light.
 //!
 //! - **The core** is a cubic B-spline four pixels wide ([`model::core_weight`]): whatever the projection, field of view or
 //!   resolution, luminance times solid angle sums to the star's illuminance, and its centroid is its place, exactly.
@@ -23,4 +23,4 @@ mod pass;
 pub use model::{Hider, PointBody, StarField, StarList, StarPoint};
 pub use params::{Glare, PointSpread, StarsParams};
 pub(crate) use pass::{Points, PointsScene};
-pub use pass::{MOST_BODIES, MOST_HIDERS, PointLight, PointsUniform};
+pub use pass::{MOST_BODIES, MOST_HIDERS, PointLight, PointsUniform, SeenPoint};

@@ -236,14 +236,14 @@ mod tests {
         }
     }
 
-    /// Widened by any factor a core sums to 1 within 0.3 %.
+    /// Widened by s ≥ 1 its samples sum to 1 within 2 sinc⁴ s, at most 0.45 % (the first side lobe, s = 1.43).
     #[test]
     fn a_widened_core_keeps_its_flux() {
         for widen in [1.0, 1.1, 1.3, 1.5, 2.0, 2.7, 10.0] {
             for i in 0..20 {
                 let x = f64::from(i) / 20.0;
                 let sum: f64 = (-40..=40).map(|p| core_weight((f64::from(p) - x) / widen) / widen).sum();
-                assert!((sum - 1.0).abs() < 3e-3, "{widen} {x}: {sum}");
+                assert!((sum - 1.0).abs() < 4.6e-3, "{widen} {x}: {sum}");
             }
         }
     }
@@ -263,7 +263,7 @@ mod tests {
                     .sum();
                 let closed = glare_share(glare, radius, soft);
                 assert!((sum / closed - 1.0).abs() < 1e-4, "{kind:?} {radius}: {sum} {closed}");
-                assert!((0.0..0.3).contains(&closed));
+                assert!((0.0..0.6).contains(&closed), "{kind:?} {radius}: {closed}");
             }
         }
         // The CIE's veil of a young eye: 10/θ² cd/m² a lux between 3° and 30° [vos1999].

@@ -25,6 +25,8 @@ use crate::view::{Projection, View};
 pub const MOST_BODIES: usize = 128;
 /// Most discs that hide points.
 pub const MOST_HIDERS: usize = 4;
+/// Views of a frame that have points: their prepared points stay below WebGPU's 128 MiB of a buffer.
+const MOST_VIEWS: usize = 64;
 /// Rows of a picture whose size nobody told: fewer would cut cores off.
 const FEWEST_ROWS: f64 = 360.0;
 
@@ -91,10 +93,34 @@ gpu_struct! {
         pub thesis_core_scale: f32,
         /// Radius of its glare.
         pub thesis_glare_px: f32,
-        /// Fills up.
-        pub padding_0: f32,
-        /// Fills up.
-        pub padding_1: f32,
+        /// Points of the list.
+        pub count: u32,
+        /// Where its prepared points begin.
+        pub first: u32,
+    }
+}
+
+gpu_struct! {
+    /// A point as a view sees it; the fields are explained in `points.wgsl`.
+    pub struct SeenPoint {
+        /// In ndc.
+        pub centre: [f32; 2],
+        /// In ndc.
+        pub half_size: [f32; 2],
+        /// Illuminance, share of the core.
+        pub light: [f32; 4],
+        /// The sky behind.
+        pub sky: [f32; 3],
+        /// Widening across.
+        pub widen_x: f32,
+        /// The sky behind, finished.
+        pub finished_sky: [f32; 3],
+        /// Widening upward.
+        pub widen_y: f32,
+        /// Direction, radius of glare.
+        pub seen: [f32; 4],
+        /// Softening, own number, radius of the thesis' glare.
+        pub own: [f32; 4],
     }
 }
 
@@ -123,7 +149,7 @@ pub(crate) struct PointsScene<'a> {
     pub tonemap: Tonemap,
 }
 
-/// What is drawn of a view: pipeline, uniform slot of the list, vertices, instances.
+/// What is drawn of a view: pipelines, uniform slot of the list, points, whether twice.
 #[derive(Clone, Copy, Debug)]
 struct Draw {
     kind: Kind,
@@ -139,15 +165,17 @@ pub(crate) struct Points {
     target: Target,
     module: wgpu::ShaderModule,
     pipeline_layout: wgpu::PipelineLayout,
-    layout: wgpu::BindGroupLayout,
+    moving_pipeline_layout: wgpu::PipelineLayout,
+    layouts: Layouts,
     constants: [(&'static str, f64); 2],
-    pipelines: HashMap<Kind, wgpu::RenderPipeline>,
+    pipelines: HashMap<Kind, (wgpu::ComputePipeline, wgpu::RenderPipeline)>,
     uniforms: wgpu::Buffer,
     stride: u64,
     capacity: usize,
     stars: wgpu::Buffer,
     bodies: wgpu::Buffer,
-    groups: [wgpu::BindGroup; 2],
+    prepared: wgpu::Buffer,
+    groups: Groups,
     /// The list that is on the GPU; none after an edit of the light.
     uploaded: Option<Arc<StarList>>,
     /// Refraction over true elevation, and what it was made from.
@@ -157,10 +185,22 @@ pub(crate) struct Points {
     blends: bool,
 }
 
-fn list(device: &wgpu::Device, label: &str, count: usize) -> wgpu::Buffer {
+/// Layouts of group 2: moving points, drawing them.
+struct Layouts {
+    moving: wgpu::BindGroupLayout,
+    drawing: wgpu::BindGroupLayout,
+}
+
+/// Groups 2: moving stars, moving bodies, drawing either.
+struct Groups {
+    moving: [wgpu::BindGroup; 2],
+    drawing: wgpu::BindGroup,
+}
+
+fn list(device: &wgpu::Device, label: &str, bytes: usize) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
-        size: (count.max(1) * size_of::<PointLight>()) as u64,
+        size: bytes as u64,
         usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
         mapped_at_creation: false,
     })
@@ -184,18 +224,28 @@ impl Points {
         constants: [(&'static str, f64); 2],
     ) -> Result<Self, GpuError> {
         let uniform = Slot::Uniform(size_of::<PointsUniform>() as u64, true);
-        let layout =
-            layout(device, "points", wgpu::ShaderStages::VERTEX_FRAGMENT, &[(0, uniform), (1, Slot::Buffer(false))]);
-        let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("points"),
-            bind_group_layouts: &[Some(groups[0]), Some(groups[1]), Some(&layout)],
-            immediate_size: 0,
-        });
+        let moving = [(0, uniform), (1, Slot::Buffer(false)), (2, Slot::Buffer(true))];
+        let drawing = [(0, uniform), (3, Slot::Buffer(false))];
+        let layouts = Layouts {
+            moving: layout(device, "moving points", wgpu::ShaderStages::COMPUTE, &moving),
+            drawing: layout(device, "points", wgpu::ShaderStages::VERTEX_FRAGMENT, &drawing),
+        };
+        let pipeline_layout = |last| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("points"),
+                bind_group_layouts: &[Some(groups[0]), Some(groups[1]), Some(last)],
+                immediate_size: 0,
+            })
+        };
+        let (moving_pipeline_layout, pipeline_layout) =
+            (pipeline_layout(&layouts.moving), pipeline_layout(&layouts.drawing));
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let stride = (size_of::<PointsUniform>() as u64).next_multiple_of(alignment);
         let capacity = 16;
         let uniforms = uniforms(device, stride * capacity as u64);
-        let (stars, bodies) = (list(device, "stars", 1), list(device, "bodies", MOST_BODIES));
+        let (stars, bodies) = 
+            (list(device, "stars", size_of::<PointLight>()), list(device, "bodies", MOST_BODIES * size_of::<PointLight>()));
+        let prepared = list(device, "seen points", size_of::<SeenPoint>());
         let features = target.colour.guaranteed_format_features(device.features());
         let blends = features.flags.contains(wgpu::TextureFormatFeatureFlags::BLENDABLE);
         if !blends {
@@ -204,13 +254,14 @@ impl Points {
                 "stars stand aside: this device cannot blend the target's format; ask for FLOAT32_BLENDABLE or use Rgba16Float"
             );
         }
-        let groups = [&stars, &bodies].map(|list| group(device, &layout, &uniforms, list));
+        let groups = bind_groups(device, &layouts, &uniforms, [&stars, &bodies], &prepared);
         Ok(Self {
             device: device.clone(),
             target: *target,
             module: module(device, "phenomena/stars/points.wgsl")?,
             pipeline_layout,
-            layout,
+            moving_pipeline_layout,
+            layouts,
             constants,
             pipelines: HashMap::new(),
             uniforms,
@@ -218,6 +269,7 @@ impl Points {
             capacity,
             stars,
             bodies,
+            prepared,
             groups,
             uploaded: None,
             lift: None,
@@ -237,7 +289,7 @@ impl Points {
 
     /// Memory in bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        self.stars.size() + self.bodies.size()
+        self.stars.size() + self.bodies.size() + self.prepared.size()
     }
 
     /// Uploads the list of stars if it is another one than before.
@@ -256,13 +308,18 @@ impl Points {
             .collect();
         let size = size_of_val(points.as_slice()) as u64;
         if self.stars.size() < size {
-            self.stars = list(&self.device, "stars", points.len());
-            self.groups[0] = group(&self.device, &self.layout, &self.uniforms, &self.stars);
+            self.stars = list(&self.device, "stars", size as usize);
+            self.bind();
         }
         if !points.is_empty() {
             queue.write_buffer(&self.stars, 0, bytemuck::cast_slice(&points));
         }
         self.uploaded = Some(Arc::clone(list_of_stars));
+    }
+
+    fn bind(&mut self) {
+        let lists = [&self.stars, &self.bodies];
+        self.groups = bind_groups(&self.device, &self.layouts, &self.uniforms, lists, &self.prepared);
     }
 
     /// Prepares a frame. `marching`: of each view, whether its pixels march. `write` records an upload.
@@ -285,11 +342,20 @@ impl Points {
         }
         let star_count = stars.map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
         let counts = [star_count, scene.bodies.len().min(MOST_BODIES)];
+        let together = counts[0] + counts[1];
+        if views.len() > MOST_VIEWS && together > 0 {
+            tracing::warn!(views = views.len(), most = MOST_VIEWS, "only the first views of a frame have stars");
+        }
+        let views = &views[..views.len().min(MOST_VIEWS)];
+        let bytes = views.len() * together * size_of::<SeenPoint>();
+        if self.prepared.size() < bytes as u64 {
+            self.prepared = list(&self.device, "seen points", bytes);
+            self.bind();
+        }
         if 2 * views.len() > self.capacity {
             self.capacity = (2 * views.len()).next_power_of_two();
             self.uniforms = uniforms(&self.device, self.stride * self.capacity as u64);
-            self.groups =
-                [&self.stars, &self.bodies].map(|list| group(&self.device, &self.layout, &self.uniforms, list));
+            self.bind();
         }
         if counts[1] > 0 {
             let bodies: Vec<PointLight> = (scene.bodies.iter().take(MOST_BODIES))
@@ -328,6 +394,8 @@ impl Points {
                 let view_from_list = field.map_or(view_from_enu, |field| view_from_enu * field.enu_from_icrs);
                 [uniform.view_from_list_x, uniform.view_from_list_y, uniform.view_from_list_z] =
                     [view_from_list.x_axis, view_from_list.y_axis, view_from_list.z_axis].map(|v| v.as_vec3().to_array());
+                uniform.count = count as u32;
+                uniform.first = (index * together + bodies * counts[0]) as u32;
                 if let Some(field) = field {
                     uniform.years = field.years_since_j2000 as f32;
                     uniform.beta = field.beta.as_vec3().to_array();
@@ -364,12 +432,12 @@ impl Points {
 
     fn make(&mut self, kind: Kind) {
         if !self.pipelines.contains_key(&kind) {
-            let pipeline = self.pipeline(kind);
-            self.pipelines.insert(kind, pipeline);
+            let pipelines = self.pipelines_of(kind);
+            self.pipelines.insert(kind, pipelines);
         }
     }
 
-    fn pipeline(&self, kind: Kind) -> wgpu::RenderPipeline {
+    fn pipelines_of(&self, kind: Kind) -> (wgpu::ComputePipeline, wgpu::RenderPipeline) {
         let on = |yes: bool| f64::from(u8::from(yes));
         let reversed = matches!(self.target.depth, Some((_, DepthDirection::Reversed)));
         let constants = [
@@ -400,7 +468,15 @@ impl Points {
             blend: Some(wgpu::BlendState { color: add, alpha: add }),
             write_mask: wgpu::ColorWrites::COLOR,
         };
-        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        let moving = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("move_points"),
+            layout: Some(&self.moving_pipeline_layout),
+            module: &self.module,
+            entry_point: Some("move_points"),
+            compilation_options: options(),
+            cache: None,
+        });
+        let drawing = self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some("points"),
             layout: Some(&self.pipeline_layout),
             vertex: wgpu::VertexState {
@@ -429,29 +505,58 @@ impl Points {
             }),
             multiview_mask: None,
             cache: None,
-        })
+        });
+        (moving, drawing)
+    }
+
+    /// Whether the prepared frame has any.
+    pub(crate) fn any(&self) -> bool {
+        self.draws.iter().flatten().any(Option::is_some)
+    }
+
+    /// Records what moves the points of all views. `set_view`: binds groups 0 and 1 of a view.
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        set_view: &dyn Fn(&mut wgpu::ComputePass<'_>, usize),
+    ) {
+        for (index, draws) in self.draws.iter().enumerate() {
+            for draw in draws.iter().flatten() {
+                let Some((pipeline, _)) = self.pipelines.get(&draw.kind) else { continue };
+                pass.set_pipeline(pipeline);
+                set_view(pass, index);
+                let offset = (u64::from(draw.slot) * self.stride) as u32;
+                pass.set_bind_group(2, &self.groups.moving[usize::from(draw.bodies)], &[offset]);
+                pass.dispatch_workgroups(draw.points.div_ceil(64), 1, 1);
+            }
+        }
     }
 
     /// Draws the points of a view; groups 0 and 1 are those of its sky.
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         for draw in self.draws.get(view_index).into_iter().flatten().flatten() {
-            let Some(pipeline) = self.pipelines.get(&draw.kind) else { continue };
+            let Some((_, pipeline)) = self.pipelines.get(&draw.kind) else { continue };
             pass.set_pipeline(pipeline);
             let offset = (u64::from(draw.slot) * self.stride) as u32;
-            pass.set_bind_group(2, &self.groups[usize::from(draw.bodies)], &[offset]);
+            pass.set_bind_group(2, &self.groups.drawing, &[offset]);
             pass.draw(0..3 * draw.points, 0..1 + u32::from(draw.twice));
         }
     }
 }
 
-fn group(
+fn bind_groups(
     device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
+    layouts: &Layouts,
     uniforms: &wgpu::Buffer,
-    list: &wgpu::Buffer,
-) -> wgpu::BindGroup {
+    lists: [&wgpu::Buffer; 2],
+    prepared: &wgpu::Buffer,
+) -> Groups {
     let uniform = Bound::Part(uniforms, size_of::<PointsUniform>() as u64);
-    bind(device, "points", layout, &[(0, uniform), (1, Bound::Buffer(list))])
+    let moving = |list| [(0, uniform), (1, Bound::Buffer(list)), (2, Bound::Buffer(prepared))];
+    Groups {
+        moving: lists.map(|list| bind(device, "moving points", &layouts.moving, &moving(list))),
+        drawing: bind(device, "points", &layouts.drawing, &[(0, uniform), (3, Bound::Buffer(prepared))]),
+    }
 }
 
 /// What all lists of a view share; `None` for a projection that looks one way everywhere.

@@ -1,5 +1,5 @@
-// Points of light drawn over the sky: stars, planets, satellites. One triangle each; everything that moves them happens in
-// the vertex stage. Added to what is there: luminance, or what it changes in the finished colour.
+// Points of light drawn over the sky: stars, planets, satellites. One invocation moves, lifts and dims each of them for a
+// view; then each is a triangle. Added to what is there: luminance, or what it changes in the finished colour.
 
 //#include "sky.wgsl"
 //#include "phenomena/stars/psf.wgsl"
@@ -60,32 +60,48 @@ struct PointsUniform {
     // I_T for Δ_m = 1; pixels of glare for I_G = 1.
     thesis_core_scale: f32,
     thesis_glare_px: f32,
-    padding_0: f32,
-    padding_1: f32,
+    // The list's length; where its prepared points begin.
+    count: u32,
+    first: u32,
+}
+
+// A point as a view sees it.
+struct SeenPoint {
+    // The point in ndc of the picture; half the size of its triangle's square there, 0: not seen.
+    centre: vec2f,
+    half_size: vec2f,
+    // Illuminance times exposure, linear Rec. 709; share of the core.
+    light: vec4f,
+    // The sky behind, exposed; widening of the core across …
+    sky: vec3f,
+    widen_x: f32,
+    // … and finished; widening upward.
+    finished_sky: vec3f,
+    widen_y: f32,
+    // Where the point is seen, in view space; the radius of its glare, rad.
+    seen: vec4f,
+    // Softening of the glare; a number of its own, 0..1; radius of the thesis' glare in pixels.
+    own: vec4f,
 }
 
 @group(2) @binding(0) var<uniform> points: PointsUniform;
 @group(2) @binding(1) var<storage, read> point_list: array<PointLight>;
+@group(2) @binding(2) var<storage, read_write> prepared_points: array<SeenPoint>;
+// The same buffer, as the drawing reads it.
+@group(2) @binding(3) var<storage, read> seen_points: array<SeenPoint>;
 
 struct PointVertex {
     @builtin(position) position: vec4f,
     // From the point, in ndc of the picture.
     @location(0) offset: vec2f,
-    // The point in ndc of the picture; widening of the core across and upward.
+    // As in SeenPoint.
     @location(1) @interpolate(flat) centre: vec4f,
-    // Illuminance times exposure, linear Rec. 709; share of the core.
     @location(2) @interpolate(flat) light: vec4f,
-    // The sky behind, exposed; and finished.
     @location(3) @interpolate(flat) sky: vec3f,
     @location(4) @interpolate(flat) finished_sky: vec3f,
-    // Where the point is seen, in view space; the radius of its glare, rad.
     @location(5) @interpolate(flat) seen: vec4f,
-    // Softening of the glare; a number of its own, 0..1; radius of the glare in pixels.
-    @location(6) @interpolate(flat) own: vec3f,
+    @location(6) @interpolate(flat) own: vec4f,
 }
-
-const NOWHERE: PointVertex = PointVertex(
-    vec4f(2.0, 2.0, 2.0, 1.0), vec2f(0.0), vec4f(1.0), vec4f(0.0), vec3f(0.0), vec3f(0.0), vec4f(0.0), vec3f(1.0));
 
 // A vector turned towards the zenith by a small angle, from true to apparent place.
 fn lifted(direction: vec3f) -> vec3f {
@@ -162,10 +178,12 @@ fn air_transmittance(direction: vec3f, mu: f32) -> vec4f {
     return select(transmittance_to_space(start.altitude_m, start.mu), vec4f(1.0), start.misses);
 }
 
-// instance: equirectangular pictures draw each point twice, since it may lie on their seam.
-@vertex
-fn point_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> PointVertex {
-    let index = vertex / 3u;
+@compute @workgroup_size(64)
+fn move_points(@builtin(global_invocation_id) id: vec3u) {
+    let index = id.x;
+    if index >= points.count {
+        return;
+    }
     let point = point_list[index];
     let moved = normalize(point.place + point.velocity * points.years - point.parallax * points.observer_au);
     let along = dot(moved, points.beta);
@@ -209,7 +227,8 @@ fn point_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
         radial_px = points.pixel.y * 0.5 * PI;
     }
 
-    var half_size = 2.0 * widen + 0.5;
+    // A hundredth of a pixel for rounding.
+    var half_size = 2.0 * widen + 0.01;
     var glare = vec3f(0.0, 1.0, 0.0);
     if with_glare {
         let soft = max(points.glare_soft, radial_px);
@@ -242,21 +261,34 @@ fn point_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
         let peak = bright * 0.4445 / pixel_sr;
         hidden = hidden || (!as_thesis && peak < 2e-3 * luminance_of(max(sky, vec3f(0.0))) + 1e-6);
     }
+    if hidden || place.z < 0.5 || !(bright > 0.0) {
+        half_size = vec2f(0.0);
+    }
+    prepared_points[points.first + index] = SeenPoint(
+        place.xy, half_size * points.pixel, vec4f(light, 1.0 - glare.z), sky, widen.x, finished_sky, widen.y,
+        vec4f(seen, glare.x), vec4f(glare.y, seed, thesis_glare_px, 0.0));
+}
+
+// instance: equirectangular pictures draw each point twice, since it may lie on their seam.
+@vertex
+fn point_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> PointVertex {
+    let index = points.first + vertex / 3u;
+    let half_size = seen_points[index].half_size;
+    var centre = seen_points[index].centre;
+    var beyond = !(half_size.x > 0.0);
+    if instance == 1u {
+        centre.x -= 2.0 * sign(centre.x);
+        beyond = beyond || abs(centre.x) - 1.0 > half_size.x;
+    }
     // Two triangles would cover the square; one costs less to set up: twice the square, with it in its right angle.
     let corner = vertex % 3u;
-    let offset = (vec2f(f32(corner == 1u), f32(corner == 2u)) * 4.0 - 1.0) * half_size * points.pixel;
-    var centre = place.xy;
-    if !linear && view.projection == 2u && instance == 1u {
-        centre.x -= 2.0 * sign(centre.x);
-        hidden = hidden || abs(centre.x) - 1.0 > half_size.x * points.pixel.x;
-    }
+    let offset = (vec2f(f32(corner == 1u), f32(corner == 2u)) * 4.0 - 1.0) * half_size;
     let ndc = (centre + offset - view.tile.xy) / view.tile.zw;
-    if hidden || place.z < 0.5 || !(bright > 0.0) {
-        return NOWHERE;
-    }
+    let seen = seen_points[index];
     return PointVertex(
-        vec4f(ndc, far_depth, 1.0), offset, vec4f(centre, widen), vec4f(light, 1.0 - glare.z), sky, finished_sky,
-        vec4f(seen, glare.x), vec3f(glare.y, seed, thesis_glare_px));
+        // Outside: all corners are one point.
+        vec4f(select(ndc, vec2f(2.0), beyond), far_depth, 1.0), offset, vec4f(centre, seen.widen_x, seen.widen_y),
+        seen.light, seen.sky, seen.finished_sky, seen.seen, seen.own);
 }
 
 @fragment
