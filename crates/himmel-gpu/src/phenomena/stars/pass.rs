@@ -539,7 +539,7 @@ impl Points {
             pass.set_pipeline(pipeline);
             let offset = (u64::from(draw.slot) * self.stride) as u32;
             pass.set_bind_group(2, &self.groups.drawing, &[offset]);
-            pass.draw(0..3 * draw.points, 0..1 + u32::from(draw.twice));
+            pass.draw(0..6 * draw.points, 0..1 + u32::from(draw.twice));
         }
     }
 }

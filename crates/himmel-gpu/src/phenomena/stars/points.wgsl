@@ -272,7 +272,7 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
 // instance: equirectangular pictures draw each point twice, since it may lie on their seam.
 @vertex
 fn point_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> PointVertex {
-    let index = points.first + vertex / 3u;
+    let index = points.first + vertex / 6u;
     let half_size = seen_points[index].half_size;
     var centre = seen_points[index].centre;
     var beyond = !(half_size.x > 0.0);
@@ -280,9 +280,10 @@ fn point_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
         centre.x -= 2.0 * sign(centre.x);
         beyond = beyond || abs(centre.x) - 1.0 > half_size.x;
     }
-    // Two triangles would cover the square; one costs less to set up: twice the square, with it in its right angle.
-    let corner = vertex % 3u;
-    let offset = (vec2f(f32(corner == 1u), f32(corner == 2u)) * 4.0 - 1.0) * half_size;
+    let corner = vertex % 6u;
+    // (−,−) (+,−) (−,+), (−,+) (+,−) (+,+).
+    let right = corner == 1u || corner == 4u || corner == 5u;
+    let offset = vec2f(select(-1.0, 1.0, right), select(-1.0, 1.0, corner == 2u || corner == 3u || corner == 5u)) * half_size;
     let ndc = (centre + offset - view.tile.xy) / view.tile.zw;
     let seen = seen_points[index];
     return PointVertex(
