@@ -27,6 +27,7 @@ pub use gpu::{AdapterReport, Gpu};
 pub use output::params::{Exposure, OutputParams, Tonemap};
 pub use phenomena::air::build::{Pace, Rebuild};
 pub use phenomena::air::{AirSizes, ApplyAir, RayAnswer, RayMeter, ShadowMap};
+pub use phenomena::planets::{PlanetDisc, PlanetsParams};
 pub use phenomena::stars::{Glare, Hider, PointBody, PointSpread, StarField, StarList, StarPoint, StarsParams};
 pub use phenomena::sun::Occluder;
 pub use renderer::{FrameState, SkyRenderer, SunState};

@@ -17,6 +17,7 @@ use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
 use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
@@ -58,6 +59,8 @@ pub struct FrameState {
     pub stars: Option<StarField>,
     /// Points of light besides stars; at most 128.
     pub bodies: Vec<PointBody>,
+    /// Planets among them whose discs may be seen; at most 8.
+    pub planets: Vec<PlanetDisc>,
     /// Discs that hide points; at most 4.
     pub hiders: Vec<Hider>,
     /// Altitude of the observer above the ground sphere, m.
@@ -78,6 +81,7 @@ impl FrameState {
             bending,
             stars: None,
             bodies: Vec::new(),
+            planets: Vec::new(),
             hiders: Vec::new(),
             altitude_m,
             output,
@@ -93,6 +97,9 @@ impl FrameState {
         let count = self.suns().count();
         if count > MOST_LIGHTS {
             return Err(GpuError::View(format!("a frame has at most {MOST_LIGHTS} suns, got {count}")));
+        }
+        if self.planets.len() > MOST_DISCS || self.planets.iter().any(|planet| planet.body >= self.bodies.len()) {
+            return Err(GpuError::View(format!("a frame has at most {MOST_DISCS} planets, each of them among its points")));
         }
         if self.bodies.len() > MOST_BODIES || self.hiders.len() > MOST_HIDERS {
             return Err(GpuError::View(format!(
@@ -510,6 +517,7 @@ impl SkyRenderer {
         let scene = PointsScene {
             stars: frame.stars.as_ref(),
             bodies: &frame.bodies,
+            planets: &frame.planets,
             hiders: &frame.hiders,
             bending: &frame.bending,
             altitude_m: frame.altitude_m,
@@ -548,7 +556,7 @@ impl SkyRenderer {
     }
 
     /// Draws a view of the prepared frame into the host's pass, at infinite depth. Sets its own pipeline and bind
-    /// groups 0 to 2; touches nothing else. A view that was not prepared is left out with a warning.
+    /// groups 0 to 3; touches nothing else. A view that was not prepared is left out with a warning.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         if view_index >= self.prepared {
             tracing::warn!(view_index, prepared = self.prepared, "the sky was not prepared for this view");

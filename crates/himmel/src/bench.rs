@@ -115,6 +115,7 @@ pub fn run(gpu: &Gpu, scene: &Scene, options: Options, progress: &mut dyn FnMut(
     }
     // The approximation draws none.
     scene.stars.enabled = false;
+    scene.planets.enabled = false;
     let mut model = SkyModel::new(&scene)?;
     let view = model.view()?;
     let frames = moving_sun(&mut model)?;

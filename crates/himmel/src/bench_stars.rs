@@ -50,7 +50,7 @@ pub fn run(gpu: &Gpu, scene: &Scene, options: Options, progress: &mut dyn FnMut(
     let mut stage = Stage::new(gpu, scene.output.width_px, scene.output.height_px)?;
     let mut renderer = SkyRenderer::new(&gpu.device, &gpu.queue, &Stage::target(), model.atmosphere())?;
     let with = on_screen(model.frame()?, &view);
-    let without = FrameState { stars: None, bodies: Vec::new(), ..with.clone() };
+    let without = FrameState { stars: None, bodies: Vec::new(), planets: Vec::new(), ..with.clone() };
     let stars = with.stars.as_ref().map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
     stage.sky(&mut renderer, &with, &view)?;
     renderer.cancel_rebuild();

@@ -40,7 +40,7 @@ pub use himmel_air::{AirParams, AirQuality, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
     AdapterReport, AirSizes, ApplyAir, DepthDirection, Exposure, Glare, Gpu, GpuError, Occluder, Output, OutputParams, Pace,
-    PassTimes, Picture, Pixels, PointSpread, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, StarsParams, Still, Target, Tonemap, View,
+    PassTimes, Picture, Pixels, PlanetsParams, PointSpread, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, StarsParams, Still, Target, Tonemap, View,
 };
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};

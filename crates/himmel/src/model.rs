@@ -19,7 +19,7 @@ use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
 use crate::light::{AmbientLight, Light, LightSource, SunLight, pure_colour};
 use crate::observer::Observer;
-use crate::points::{StarCache, hiders};
+use crate::points::{Moving, StarCache, hiders};
 use crate::scene::{ProjectionKind, Scene};
 
 /// Eyes above the ground, m.
@@ -352,6 +352,7 @@ impl SkyModel {
         let settings = &self.scene.sun;
         let (instant, place) = self.standing()?;
         let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
+        let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &observer)?;
         Ok(FrameState {
             sun: SunState {
                 direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
@@ -366,7 +367,8 @@ impl SkyModel {
             shadow: self.shadow()?,
             bending: self.bending(),
             stars: self.stars.field(&self.scene, &observer, self.clock.unix_seconds()),
-            bodies: Vec::new(),
+            bodies: moving.points,
+            planets: moving.discs,
             hiders: hiders(&observer)?,
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),

@@ -17,6 +17,7 @@ use crate::error::GpuError;
 use crate::layout::gpu_struct;
 use crate::output::params::Tonemap;
 use crate::pass::{Bound, Slot, bind, layout, module};
+use crate::phenomena::planets::{Discs, PlanetDisc, disc_slots};
 use crate::phenomena::sun::BendingUniform;
 use crate::target::{DepthDirection, Output, Target};
 use crate::view::{Projection, View};
@@ -97,6 +98,8 @@ gpu_struct! {
         pub count: u32,
         /// Where its prepared points begin.
         pub first: u32,
+        /// Bits of points that are drawn as discs.
+        pub discs: [u32; 4],
     }
 }
 
@@ -141,6 +144,7 @@ struct Kind {
 pub(crate) struct PointsScene<'a> {
     pub stars: Option<&'a StarField>,
     pub bodies: &'a [PointBody],
+    pub planets: &'a [PlanetDisc],
     pub hiders: &'a [Hider],
     pub bending: &'a Arc<Bending>,
     pub altitude_m: f64,
@@ -157,6 +161,15 @@ struct Draw {
     slot: u32,
     points: u32,
     twice: bool,
+}
+
+/// The discs of a view: pipeline, uniform slot of its points, first slot and number of discs.
+#[derive(Clone, Copy, Debug)]
+struct DiscDraw {
+    kind: Kind,
+    points_slot: u32,
+    first: usize,
+    count: usize,
 }
 
 /// Draws points into the host's pass.
@@ -181,6 +194,11 @@ pub(crate) struct Points {
     /// Refraction over true elevation, and what it was made from.
     lift: Option<(Arc<Bending>, BendingUniform)>,
     draws: Vec<[Option<Draw>; 2]>,
+    discs: Discs,
+    disc_module: wgpu::ShaderModule,
+    disc_pipeline_layout: wgpu::PipelineLayout,
+    disc_pipelines: HashMap<Kind, wgpu::RenderPipeline>,
+    disc_draws: Vec<Option<DiscDraw>>,
     /// Whether the target blends at all.
     blends: bool,
 }
@@ -237,6 +255,12 @@ impl Points {
                 immediate_size: 0,
             })
         };
+        let discs = Discs::new(device);
+        let disc_pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("planets"),
+            bind_group_layouts: &[Some(groups[0]), Some(groups[1]), Some(&layouts.drawing), Some(&discs.layout)],
+            immediate_size: 0,
+        });
         let (moving_pipeline_layout, pipeline_layout) =
             (pipeline_layout(&layouts.moving), pipeline_layout(&layouts.drawing));
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
@@ -274,6 +298,11 @@ impl Points {
             uploaded: None,
             lift: None,
             draws: Vec::new(),
+            discs,
+            disc_module: module(device, "phenomena/planets/disc.wgsl")?,
+            disc_pipeline_layout,
+            disc_pipelines: HashMap::new(),
+            disc_draws: Vec::new(),
             blends,
         })
     }
@@ -283,6 +312,7 @@ impl Points {
         if constants != self.constants {
             self.constants = constants;
             self.pipelines.clear();
+            self.disc_pipelines.clear();
         }
         self.uploaded = None;
     }
@@ -333,6 +363,7 @@ impl Points {
         write: &mut dyn FnMut(&wgpu::Buffer, u64, &[u8]),
     ) -> Result<(), GpuError> {
         self.draws.clear();
+        self.disc_draws.clear();
         if !self.blends {
             return Ok(());
         }
@@ -368,6 +399,9 @@ impl Points {
                 .collect();
             write(&self.bodies, 0, bytemuck::cast_slice(&bodies));
         }
+        let shown: Vec<Vec<usize>> = views.iter().map(|view| disc_slots(view, scene.planets)).collect();
+        self.discs.reserve(&self.device, shown.iter().map(Vec::len).sum());
+        let mut disc_slot = 0;
         let lift = match &self.lift {
             Some((of, lift)) if Arc::ptr_eq(of, scene.bending) => *lift,
             _ => {
@@ -383,6 +417,7 @@ impl Points {
         for (index, view) in views.iter().enumerate() {
             let linear = matches!(view.projection, Projection::Matrix(_));
             let mut draws = [None; 2];
+            let mut disc_draw = None;
             for (bodies, &count) in counts.iter().enumerate() {
                 let Some(mut uniform) = uniform_of(view, params, output, scene, starlight)? else { continue };
                 if count == 0 {
@@ -390,6 +425,12 @@ impl Points {
                 }
                 uniform.lift = lift;
                 let view_from_enu = DMat3::from_mat4(view.enu_from_view).transpose();
+                if bodies == 1 {
+                    for &disc in &shown[index] {
+                        let body = scene.planets[disc].body;
+                        uniform.discs[(body / 32).min(3)] |= 1 << (body % 32);
+                    }
+                }
                 let field = stars.filter(|_| bodies == 0);
                 let view_from_list = field.map_or(view_from_enu, |field| view_from_enu * field.enu_from_icrs);
                 [uniform.view_from_list_x, uniform.view_from_list_y, uniform.view_from_list_z] =
@@ -417,6 +458,19 @@ impl Points {
                     thesis: !physical,
                 };
                 self.make(kind);
+                if bodies == 1 && !shown[index].is_empty() {
+                    let kind = Kind { glare: false, rays: false, thesis: false, ..kind };
+                    if !self.disc_pipelines.contains_key(&kind) {
+                        let pipeline = self.disc_pipeline(kind);
+                        self.disc_pipelines.insert(kind, pipeline);
+                    }
+                    let count = shown[index].len();
+                    disc_draw = Some(DiscDraw { kind, points_slot: slot as u32, first: disc_slot, count });
+                    for &disc in &shown[index] {
+                        self.discs.write(view, &scene.planets[disc], disc_slot, write);
+                        disc_slot += 1;
+                    }
+                }
                 draws[bodies] = Some(Draw {
                     kind,
                     bodies: bodies == 1,
@@ -426,6 +480,7 @@ impl Points {
                 });
             }
             self.draws.push(draws);
+            self.disc_draws.push(disc_draw);
         }
         Ok(())
     }
@@ -437,10 +492,11 @@ impl Points {
         }
     }
 
-    fn pipelines_of(&self, kind: Kind) -> (wgpu::ComputePipeline, wgpu::RenderPipeline) {
+    /// Values of the shaders' overrides.
+    fn overrides(&self, kind: Kind) -> [(&'static str, f64); 15] {
         let on = |yes: bool| f64::from(u8::from(yes));
         let reversed = matches!(self.target.depth, Some((_, DepthDirection::Reversed)));
-        let constants = [
+        [
             ("far_depth", if reversed { 0.0 } else { 1.0 }),
             ("finished", on(self.target.output == Output::Display)),
             ("marching", on(kind.marching)),
@@ -456,7 +512,36 @@ impl Points {
             ("as_thesis", on(kind.thesis)),
             self.constants[0],
             self.constants[1],
-        ];
+        ]
+    }
+
+    fn pipelines_of(&self, kind: Kind) -> (wgpu::ComputePipeline, wgpu::RenderPipeline) {
+        let constants = self.overrides(kind);
+        let moving = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("move_points"),
+            layout: Some(&self.moving_pipeline_layout),
+            module: &self.module,
+            entry_point: Some("move_points"),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            cache: None,
+        });
+        (moving, self.adding("points", &self.module, &self.pipeline_layout, ["point_vertex", "point_fragment"], kind))
+    }
+
+    fn disc_pipeline(&self, kind: Kind) -> wgpu::RenderPipeline {
+        self.adding("planets", &self.disc_module, &self.disc_pipeline_layout, ["planet_vertex", "planet_fragment"], kind)
+    }
+
+    /// A pipeline that adds to what is in the target.
+    fn adding(
+        &self,
+        label: &str,
+        module: &wgpu::ShaderModule,
+        layout: &wgpu::PipelineLayout,
+        [vertex, fragment]: [&str; 2],
+        kind: Kind,
+    ) -> wgpu::RenderPipeline {
+        let constants = self.overrides(kind);
         let options = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
         let add = wgpu::BlendComponent {
             src_factor: wgpu::BlendFactor::One,
@@ -468,20 +553,12 @@ impl Points {
             blend: Some(wgpu::BlendState { color: add, alpha: add }),
             write_mask: wgpu::ColorWrites::COLOR,
         };
-        let moving = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("move_points"),
-            layout: Some(&self.moving_pipeline_layout),
-            module: &self.module,
-            entry_point: Some("move_points"),
-            compilation_options: options(),
-            cache: None,
-        });
-        let drawing = self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("points"),
-            layout: Some(&self.pipeline_layout),
+        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(label),
+            layout: Some(layout),
             vertex: wgpu::VertexState {
-                module: &self.module,
-                entry_point: Some("point_vertex"),
+                module,
+                entry_point: Some(vertex),
                 compilation_options: options(),
                 buffers: &[],
             },
@@ -498,15 +575,14 @@ impl Points {
             }),
             multisample: wgpu::MultisampleState { count: self.target.samples, ..Default::default() },
             fragment: Some(wgpu::FragmentState {
-                module: &self.module,
-                entry_point: Some("point_fragment"),
+                module,
+                entry_point: Some(fragment),
                 compilation_options: options(),
                 targets: &[Some(colour)],
             }),
             multiview_mask: None,
             cache: None,
-        });
-        (moving, drawing)
+        })
     }
 
     /// Whether the prepared frame has any.
@@ -540,6 +616,14 @@ impl Points {
             let offset = (u64::from(draw.slot) * self.stride) as u32;
             pass.set_bind_group(2, &self.groups.drawing, &[offset]);
             pass.draw(0..6 * draw.points, 0..1 + u32::from(draw.twice));
+        }
+        let Some(draw) = self.disc_draws.get(view_index).copied().flatten() else { return };
+        let Some(pipeline) = self.disc_pipelines.get(&draw.kind) else { return };
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(2, &self.groups.drawing, &[(u64::from(draw.points_slot) * self.stride) as u32]);
+        for slot in draw.first..draw.first + draw.count {
+            self.discs.bind(pass, slot);
+            pass.draw(0..6, 0..1);
         }
     }
 }

@@ -63,6 +63,8 @@ struct PointsUniform {
     // The list's length; where its prepared points begin.
     count: u32,
     first: u32,
+    // Bits of points that this view draws as discs.
+    discs: vec4u,
 }
 
 // A point as a view sees it.
@@ -191,7 +193,8 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
     let aberrated = normalize(moved * slow + points.beta * (1.0 + 0.5 * along));
     let direction = aberrated.x * points.view_from_list_x + aberrated.y * points.view_from_list_y
         + aberrated.z * points.view_from_list_z;
-    var hidden = false;
+    let bits = points.discs[min(index / 32u, 3u)];
+    var hidden = index < 128u && ((bits >> (index % 32u)) & 1u) == 1u;
     for (var i = 0u; i < points.hiders; i++) {
         hidden = hidden || length(direction - points.hider[i].xyz) < points.hider[i].w;
     }
@@ -249,13 +252,7 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
     var sky = vec3f(0.0);
     var finished_sky = vec3f(0.0);
     if finished != 0u {
-        var from_table = vec4f(0.0);
-        if !marching {
-            for (var light = 0u; light < frame.light_count; light++) {
-                from_table[light] = 1.0 / sky_view_scale(light);
-            }
-        }
-        sky = sky_luminance(from_table, seen, vec3f(0.0), vec3f(0.0)) * exposure;
+        sky = sky_behind(seen) * exposure;
         finished_sky = finished_colour(sky);
         // A tenth of a step of 8 bits: nothing to draw.
         let peak = bright * 0.4445 / pixel_sr;
@@ -267,6 +264,17 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
     prepared_points[points.first + index] = SeenPoint(
         place.xy, half_size * points.pixel, vec4f(light, 1.0 - glare.z), sky, widen.x, finished_sky, widen.y,
         vec4f(seen, glare.x), vec4f(glare.y, seed, thesis_glare_px, 0.0));
+}
+
+// Luminance of the sky in a direction, for what is tone mapped together with it.
+fn sky_behind(direction: vec3f) -> vec3f {
+    var from_table = vec4f(0.0);
+    if !marching {
+        for (var light = 0u; light < frame.light_count; light++) {
+            from_table[light] = 1.0 / sky_view_scale(light);
+        }
+    }
+    return sky_luminance(from_table, direction, vec3f(0.0), vec3f(0.0));
 }
 
 // instance: equirectangular pictures draw each point twice, since it may lie on their seam.
