@@ -9,4 +9,5 @@ mod functions;
 mod host;
 mod pictures;
 mod saved;
+mod stars;
 mod sun;

@@ -59,5 +59,9 @@ pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
     ("phenomena/air/query.wgsl", crate::phenomena::air::Query::LAYOUT),
     ("output/meter.wgsl", crate::output::meter::MeterUniform::LAYOUT),
     ("output/bloom.wgsl", crate::output::bloom::BloomUniform::LAYOUT),
+    ("phenomena/planets/disc.wgsl", crate::phenomena::planets::PlanetUniform::LAYOUT),
+    ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointLight::LAYOUT),
+    ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointsUniform::LAYOUT),
+    ("phenomena/stars/points.wgsl", crate::phenomena::stars::SeenPoint::LAYOUT),
     ("comparison/hillaire_sky.wgsl", crate::comparison::HillaireUniform::LAYOUT),
 ];

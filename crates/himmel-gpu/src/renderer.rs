@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 use himmel_air::eclipse::Shadow;
 use himmel_air::refraction::Bending;
-use himmel_air::{AirQuality, Atmosphere, sun};
+use himmel_air::{AirQuality, Atmosphere, Starlight, sun};
 use wgpu::util::StagingBelt;
 
 use crate::error::GpuError;
@@ -17,6 +17,8 @@ use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
+use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
 use crate::tiles::{Needs, TileLight, Tiles};
@@ -53,6 +55,14 @@ pub struct FrameState {
     pub shadow: Option<Shadow>,
     /// How the air bends what is seen.
     pub bending: Arc<Bending>,
+    /// The stars; `None`: there are none.
+    pub stars: Option<StarField>,
+    /// Points of light besides stars; at most 128.
+    pub bodies: Vec<PointBody>,
+    /// Planets among them whose discs may be seen; at most 8.
+    pub planets: Vec<PlanetDisc>,
+    /// Discs that hide points; at most 4.
+    pub hiders: Vec<Hider>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
@@ -65,7 +75,20 @@ impl FrameState {
     /// One sun, nothing before it, nothing bent.
     pub fn new(sun: SunState, altitude_m: f64, output: OutputParams) -> Self {
         let bending = Arc::new(Bending::none());
-        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output, seconds: None }
+        Self {
+            sun,
+            other_suns: Vec::new(),
+            occluder: None,
+            shadow: None,
+            bending,
+            stars: None,
+            bodies: Vec::new(),
+            planets: Vec::new(),
+            hiders: Vec::new(),
+            altitude_m,
+            output,
+            seconds: None,
+        }
     }
 
     /// All suns, the first one first.
@@ -77,6 +100,18 @@ impl FrameState {
         let count = self.suns().count();
         if count > MOST_LIGHTS {
             return Err(GpuError::View(format!("a frame has at most {MOST_LIGHTS} suns, got {count}")));
+        }
+        if self.planets.len() > MOST_DISCS || self.planets.iter().any(|planet| planet.body >= self.bodies.len()) {
+            return Err(GpuError::View(format!(
+                "a frame has at most {MOST_DISCS} planets, each of them among its points"
+            )));
+        }
+        if self.bodies.len() > MOST_BODIES || self.hiders.len() > MOST_HIDERS {
+            return Err(GpuError::View(format!(
+                "a frame has at most {MOST_BODIES} points besides stars and {MOST_HIDERS} discs before them, got {} and {}",
+                self.bodies.len(),
+                self.hiders.len()
+            )));
         }
         let finite = |sun: &SunState| {
             sun.direction.is_finite()
@@ -130,6 +165,8 @@ pub struct SkyRenderer {
     view_stride: u64,
     capacity: usize,
     prepared: usize,
+    points: Points,
+    starlight: Starlight,
     /// Made when air is first applied to a host's picture.
     apply: Option<Apply>,
     /// The prepared views, the number of lights, the tone mapper.
@@ -215,6 +252,7 @@ impl SkyRenderer {
             bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
             immediate_size: 0,
         });
+        let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
         let pipelines = Pipelines {
             device: device.clone(),
             target: *target,
@@ -253,6 +291,8 @@ impl SkyRenderer {
             view_stride,
             capacity: FIRST_CAPACITY,
             prepared: 0,
+            points,
+            starlight: atmosphere.starlight(),
             apply: None,
             views: Vec::new(),
             lights: 1,
@@ -303,6 +343,8 @@ impl SkyRenderer {
             limb_darkening,
             ..FrameUniform::default()
         };
+        self.starlight = atmosphere.starlight();
+        self.points.set_air(self.air.constants());
         self.bottom_radius_m = atmosphere.medium().bottom_radius_m;
         self.top_altitude_m = atmosphere.medium().top_altitude_m;
     }
@@ -319,7 +361,7 @@ impl SkyRenderer {
 
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.air.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
+        self.air.bytes() + self.points.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
     /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
@@ -453,6 +495,8 @@ impl SkyRenderer {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
         }
+        let marching: Vec<bool> = uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0).collect();
+        self.prepare_points(encoder, frame, views, &marching, lights > 1)?;
         self.record_build(encoder);
         self.uploads.finish();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -479,14 +523,48 @@ impl SkyRenderer {
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
-        self.marching.clear();
-        self.marching.extend(uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0));
+        self.marching = marching;
         match exposure {
-            None => self.record_metering(encoder, stamps),
+            None => self.record_metering(encoder, stamps.as_deref_mut()),
             Some(factor) => self.meter.set(encoder, factor),
+        }
+        if self.points.any() {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("points"),
+                timestamp_writes: stamps.and_then(|stamps| stamps.next_compute("points")),
+            });
+            self.points.record(&mut pass, &|pass, view_index| {
+                pass.set_bind_group(0, &self.air.group, &[]);
+                pass.set_bind_group(1, &self.view_group, &[((view_index as u64 + 1) * self.view_stride) as u32]);
+            });
         }
         self.prepared = views.len();
         Ok(())
+    }
+
+    fn prepare_points(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameState,
+        views: &[View],
+        marching: &[bool],
+        several_lights: bool,
+    ) -> Result<(), GpuError> {
+        let scene = PointsScene {
+            stars: frame.stars.as_ref(),
+            bodies: &frame.bodies,
+            planets: &frame.planets,
+            hiders: &frame.hiders,
+            bending: &frame.bending,
+            altitude_m: frame.altitude_m,
+            several_lights,
+            eclipsed: frame.shadow.is_some(),
+            tonemap: frame.output.tonemap,
+        };
+        let Self { points, queue, starlight, uploads, .. } = self;
+        points.prepare(queue, &scene, starlight, views, marching, &mut |buffer, offset, bytes| {
+            uploads.write(encoder, buffer, offset, bytes);
+        })
     }
 
     /// Limb darkening of the Sun at the four wavelengths.
@@ -514,7 +592,7 @@ impl SkyRenderer {
     }
 
     /// Draws a view of the prepared frame into the host's pass, at infinite depth. Sets its own pipeline and bind
-    /// groups 0 and 1; touches nothing else. A view that was not prepared is left out with a warning.
+    /// groups 0 to 3; touches nothing else. A view that was not prepared is left out with a warning.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         if view_index >= self.prepared {
             tracing::warn!(view_index, prepared = self.prepared, "the sky was not prepared for this view");
@@ -533,6 +611,7 @@ impl SkyRenderer {
                 }
             }
         }
+        self.points.draw(pass, view_index);
     }
 
     /// Puts the air before a picture that the host has drawn from a prepared view: attenuates its colours (linear

@@ -34,6 +34,10 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/air/sky_view_refine.wgsl", include_str!("phenomena/air/sky_view_refine.wgsl")),
     ("phenomena/air/sky_view_table.wgsl", include_str!("phenomena/air/sky_view_table.wgsl")),
     ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
+    ("phenomena/planets/disc.wgsl", include_str!("phenomena/planets/disc.wgsl")),
+    ("phenomena/planets/shade.wgsl", include_str!("phenomena/planets/shade.wgsl")),
+    ("phenomena/stars/points.wgsl", include_str!("phenomena/stars/points.wgsl")),
+    ("phenomena/stars/psf.wgsl", include_str!("phenomena/stars/psf.wgsl")),
     ("phenomena/sun/bending.wgsl", include_str!("phenomena/sun/bending.wgsl")),
     ("phenomena/sun/disc.wgsl", include_str!("phenomena/sun/disc.wgsl")),
     ("phenomena/sun/eclipse.wgsl", include_str!("phenomena/sun/eclipse.wgsl")),
@@ -60,6 +64,8 @@ pub const ROOTS: &[&str] = &[
     "phenomena/air/query.wgsl",
     "phenomena/air/froxels.wgsl",
     "phenomena/air/apply.wgsl",
+    "phenomena/stars/points.wgsl",
+    "phenomena/planets/disc.wgsl",
 ];
 
 /// Why shader files could not be joined.

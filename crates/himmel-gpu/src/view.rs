@@ -27,6 +27,9 @@ pub struct View {
     pub enu_from_view: DMat4,
     /// Width over height of the picture.
     pub aspect: f64,
+    /// Rows of the whole picture in pixels, by which points of light are sized; 0: unknown, which costs some time and is
+    /// right for pictures of at least 360 rows.
+    pub rows_px: u32,
     /// The part of the picture that is drawn: left, bottom, width, height in 0..=1. For tiles of large pictures.
     pub part: [f64; 4],
     /// Pixel coordinates of that part's first pixel, for dithering without seams.
@@ -50,7 +53,7 @@ impl View {
         let up = right.cross(forward);
         let enu_from_view =
             DMat4::from_cols(right.extend(0.0), up.extend(0.0), (-forward).extend(0.0), DVec4::new(0.0, 0.0, 0.0, 1.0));
-        Self { projection, enu_from_view, aspect, part: [0.0, 0.0, 1.0, 1.0], first_pixel: [0, 0] }
+        Self { projection, enu_from_view, aspect, rows_px: 0, part: [0.0, 0.0, 1.0, 1.0], first_pixel: [0, 0] }
     }
 
     /// A host's camera: its projection as in [`Projection::Matrix`], and where it stands and looks as in
@@ -61,6 +64,7 @@ impl View {
             projection: Projection::Matrix(clip_from_view),
             enu_from_view,
             aspect: 1.0,
+            rows_px: 0,
             part: [0.0, 0.0, 1.0, 1.0],
             first_pixel: [0, 0],
         }

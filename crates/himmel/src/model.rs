@@ -19,6 +19,7 @@ use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
 use crate::light::{AmbientLight, Light, LightSource, SunLight, pure_colour};
 use crate::observer::Observer;
+use crate::points::{Moving, StarCache, hiders};
 use crate::scene::{ProjectionKind, Scene};
 
 /// Eyes above the ground, m.
@@ -51,6 +52,7 @@ pub struct SkyModel {
     ephemeris: Box<dyn Ephemeris + Send + Sync>,
     /// The bent sky of the altitude that was last asked for.
     bending: Mutex<Option<(f64, Arc<Bending>)>>,
+    stars: StarCache,
 }
 
 /// The Sun's place for an observer.
@@ -91,7 +93,16 @@ impl SkyModel {
             }
         };
         let bending = Mutex::new(None);
-        Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris, bending })
+        Ok(Self {
+            scene: scene.clone(),
+            preset,
+            atmosphere,
+            observer,
+            clock,
+            ephemeris,
+            bending,
+            stars: StarCache::default(),
+        })
     }
 
     /// The settings as they were given; the clock may have run, and the observer moved, since.
@@ -337,10 +348,20 @@ impl SkyModel {
             .to_degrees()
     }
 
+    /// When and where one looks.
+    fn standing(&self) -> Result<(Instant, Place)> {
+        let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
+        let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
+        Ok((instant, place))
+    }
+
     /// What the renderer needs for a frame.
     pub fn frame(&self) -> Result<FrameState> {
         let sun = self.sun()?;
         let settings = &self.scene.sun;
+        let (instant, place) = self.standing()?;
+        let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
+        let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &observer)?;
         Ok(FrameState {
             sun: SunState {
                 direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
@@ -354,6 +375,10 @@ impl SkyModel {
             occluder: self.occluder()?,
             shadow: self.shadow()?,
             bending: self.bending(),
+            stars: self.stars.field(&self.scene, &observer, self.clock.unix_seconds()),
+            bodies: moving.points,
+            planets: moving.discs,
+            hiders: hiders(&observer)?,
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),
             seconds: None,
@@ -411,15 +436,18 @@ impl SkyModel {
         let (azimuth, altitude, fov) =
             (azimuth_deg.to_radians(), altitude_deg.to_radians(), camera.fov_deg.to_radians());
         let aspect = f64::from(self.scene.output.width_px) / f64::from(self.scene.output.height_px);
-        match camera.projection {
-            ProjectionKind::Perspective if camera.fov_deg >= 179.5 => Err(Error::Camera(format!(
-                "a perspective camera sees less than 179.5°, got {}°; use --projection fisheye",
-                camera.fov_deg
-            ))),
-            ProjectionKind::Perspective => Ok(View::looking(azimuth, altitude, fov, aspect)),
-            ProjectionKind::Fisheye => Ok(View::with_projection(azimuth, altitude, Projection::Fisheye(fov), aspect)),
-            ProjectionKind::Equirect => Ok(View::with_projection(azimuth, 0.0, Projection::Equirectangular, aspect)),
-        }
+        let view = match camera.projection {
+            ProjectionKind::Perspective if camera.fov_deg >= 179.5 => {
+                return Err(Error::Camera(format!(
+                    "a perspective camera sees less than 179.5°, got {}°; use --projection fisheye",
+                    camera.fov_deg
+                )));
+            }
+            ProjectionKind::Perspective => View::looking(azimuth, altitude, fov, aspect),
+            ProjectionKind::Fisheye => View::with_projection(azimuth, altitude, Projection::Fisheye(fov), aspect),
+            ProjectionKind::Equirect => View::with_projection(azimuth, 0.0, Projection::Equirectangular, aspect),
+        };
+        Ok(View { rows_px: self.scene.output.height_px, ..view })
     }
 
     /// The instant as the place's clock shows it.

@@ -2,6 +2,8 @@
 
 pub mod air;
 pub mod ground;
+pub mod planets;
+pub mod stars;
 pub mod sun;
 
 /// A colour attachment that starts black.
