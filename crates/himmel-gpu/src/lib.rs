@@ -27,6 +27,7 @@ pub use gpu::{AdapterReport, Gpu};
 pub use output::params::{Exposure, OutputParams, Tonemap};
 pub use phenomena::air::build::{Pace, Rebuild};
 pub use phenomena::air::{AirSizes, ApplyAir, RayAnswer, RayMeter, ShadowMap};
+pub use phenomena::night_glow::NightGlow;
 pub use phenomena::sun::Occluder;
 pub use renderer::{FrameState, SkyRenderer, SunState};
 pub use still::{MAX_PIXELS, MAX_SIDE, Picture, Pixels, Still};

@@ -17,6 +17,7 @@ use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
 use crate::tiles::{Needs, TileLight, Tiles};
@@ -53,6 +54,8 @@ pub struct FrameState {
     pub shadow: Option<Shadow>,
     /// How the air bends what is seen.
     pub bending: Arc<Bending>,
+    /// The night's own glow; none by day, when nobody sees it.
+    pub night: Option<NightGlow>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
@@ -63,7 +66,7 @@ impl FrameState {
     /// One sun, nothing before it, nothing bent.
     pub fn new(sun: SunState, altitude_m: f64, output: OutputParams) -> Self {
         let bending = Arc::new(Bending::none());
-        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output }
+        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, night: None, altitude_m, output }
     }
 
     /// All suns, the first one first.
@@ -118,6 +121,7 @@ pub struct SkyRenderer {
     pipelines: Pipelines,
     meter: Meter,
     air: Air,
+    night: NightTextures,
     default_quality: AirQuality,
     pace: Pace,
     frame_buffer: wgpu::Buffer,
@@ -135,6 +139,7 @@ pub struct SkyRenderer {
     lights: u32,
     tonemap: Tonemap,
     eclipsed: bool,
+    by_night: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     /// Of the metering view and each prepared one: its tiles by what they need.
@@ -207,9 +212,10 @@ impl SkyRenderer {
             wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
             &[(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)],
         );
+        let night = NightTextures::new(device);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
-            bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
+            bind_group_layouts: &[Some(&air.layout), Some(&view_layout), Some(&night.layout)],
             immediate_size: 0,
         });
         let pipelines = Pipelines {
@@ -239,6 +245,7 @@ impl SkyRenderer {
             pipelines,
             meter,
             air,
+            night,
             default_quality,
             // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
             pace: Pace::Samples(if software { 5e5 } else { 1e7 }),
@@ -255,6 +262,7 @@ impl SkyRenderer {
             lights: 1,
             tonemap: OutputParams::default().tonemap,
             eclipsed: false,
+            by_night: false,
             marching: Vec::new(),
             tiles: Vec::new(),
             uploads: Uploads {
@@ -315,7 +323,7 @@ impl SkyRenderer {
 
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.air.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
+        self.air.bytes() + self.night.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
     /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
@@ -418,6 +426,11 @@ impl SkyRenderer {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
         }
+        if let Some(night) = &frame.night {
+            self.night.hold(&self.device, &self.queue, night);
+            let uniform = NightUniform::new(night);
+            self.uploads.write(encoder, &self.night.buffer, 0, bytemuck::bytes_of(&uniform));
+        }
         self.record_build(encoder);
         self.uploads.finish();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -440,6 +453,7 @@ impl SkyRenderer {
         self.lights = lights;
         self.tonemap = frame.output.tonemap;
         self.eclipsed = frame.shadow.is_some();
+        self.by_night = frame.night.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
@@ -478,7 +492,7 @@ impl SkyRenderer {
     }
 
     /// Draws a view of the prepared frame into the host's pass, at infinite depth. Sets its own pipeline and bind
-    /// groups 0 and 1; touches nothing else. A view that was not prepared is left out with a warning.
+    /// groups 0 to 2; touches nothing else. A view that was not prepared is left out with a warning.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         if view_index >= self.prepared {
             tracing::warn!(view_index, prepared = self.prepared, "the sky was not prepared for this view");
@@ -566,6 +580,7 @@ impl SkyRenderer {
             several_lights: self.lights > 1,
             tonemap: self.tonemap,
             eclipsed: self.eclipsed,
+            night: self.by_night,
         }
     }
 
@@ -573,6 +588,7 @@ impl SkyRenderer {
         pass.set_pipeline(self.pipelines.get(variant, kind));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
+        pass.set_bind_group(2, &self.night.group, &[]);
     }
 
     fn record_metering(&self, encoder: &mut wgpu::CommandEncoder, mut stamps: Option<&mut Stamps>) {
@@ -663,6 +679,8 @@ impl SkyRenderer {
             horizon: horizon as f32,
             horizon_mu: horizon.sin() as f32,
             rectangles: tiles.rectangles,
+            icrs_from_view: rows(frame.night.as_ref().map(|night| night.icrs_from_enu), view_from_enu),
+            ecliptic_from_view: rows(frame.night.as_ref().map(|night| night.ecliptic_from_enu), view_from_enu),
             lights,
             disc: DiscUniform::new(
                 frame.sun.direction.normalize_or(DVec3::Z),
@@ -678,6 +696,12 @@ impl SkyRenderer {
         };
         Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges })
     }
+}
+
+/// Rows of a rotation from east-north-up, for rays in view space.
+fn rows(from_enu: Option<glam::DMat3>, view_from_enu: glam::DMat3) -> [[f32; 4]; 3] {
+    let from_view = from_enu.unwrap_or_default() * view_from_enu.transpose();
+    std::array::from_fn(|i| from_view.row(i).extend(0.0).as_vec4().to_array())
 }
 
 fn uniform_buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
@@ -759,7 +783,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 8 * Tonemap::ALL.len()];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 16 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -772,6 +796,8 @@ struct Kind {
     tonemap: Tonemap,
     /// Whether something stands before the Sun.
     eclipsed: bool,
+    /// Whether the night glows.
+    night: bool,
 }
 
 fn none_made() -> Made {
@@ -785,7 +811,13 @@ impl Pipelines {
         for variant in variants {
             self.get(
                 *variant,
-                Kind { linear: true, several_lights: false, tonemap: OutputParams::default().tonemap, eclipsed: false },
+                Kind {
+                    linear: true,
+                    several_lights: false,
+                    tonemap: OutputParams::default().tonemap,
+                    eclipsed: false,
+                    night: false,
+                },
             );
         }
     }
@@ -794,7 +826,8 @@ impl Pipelines {
         let at = usize::from(kind.linear)
             + 2 * usize::from(kind.several_lights)
             + 4 * usize::from(kind.eclipsed)
-            + 8 * kind.tonemap as usize;
+            + 8 * usize::from(kind.night)
+            + 16 * kind.tonemap as usize;
         self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
@@ -827,6 +860,7 @@ fn sky_pipeline(
         ("finished", on(target.output == Output::Display)),
         ("several_lights", on(kind.several_lights)),
         ("eclipses", on(kind.eclipsed)),
+        ("night", on(kind.night)),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),
         marching,
         metering,

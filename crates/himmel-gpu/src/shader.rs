@@ -31,6 +31,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/air/sky_view.wgsl", include_str!("phenomena/air/sky_view.wgsl")),
     ("phenomena/air/sky_view_table.wgsl", include_str!("phenomena/air/sky_view_table.wgsl")),
     ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
+    ("phenomena/night_glow/night_glow.wgsl", include_str!("phenomena/night_glow/night_glow.wgsl")),
     ("phenomena/sun/bending.wgsl", include_str!("phenomena/sun/bending.wgsl")),
     ("phenomena/sun/disc.wgsl", include_str!("phenomena/sun/disc.wgsl")),
     ("phenomena/sun/eclipse.wgsl", include_str!("phenomena/sun/eclipse.wgsl")),

@@ -7,6 +7,7 @@ use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten};
 use himmel_core::{choices, params};
 use himmel_gpu::OutputParams;
+use himmel_gpu::phenomena::night_glow::NightSettings;
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Error, Result};
@@ -96,6 +97,8 @@ pub struct Scene {
     pub air: AirParams,
     /// `[ground]`
     pub ground: GroundParams,
+    /// `[night.airglow]`, `[night.zodiacal]`, `[night.milky_way]`, `[night.light_pollution]`
+    pub night: NightSettings,
     /// `[output]`
     pub output: OutputParams,
     /// Folder that a preset's relative path starts from; not part of the file.
@@ -112,6 +115,7 @@ impl Default for Scene {
             sun: SunParams::default(),
             air: AirParams::default(),
             ground: GroundParams::default(),
+            night: NightSettings::default(),
             output: OutputParams::default(),
             folder: PathBuf::new(),
         }
@@ -120,11 +124,23 @@ impl Default for Scene {
 
 impl Scene {
     /// Every table of parameters, in the order of the file.
-    pub fn tables(&self) -> [&dyn Params; 7] {
-        [&self.observer, &self.clock, &self.camera, &self.sun, &self.air, &self.ground, &self.output]
+    pub fn tables(&self) -> [&dyn Params; 11] {
+        [
+            &self.observer,
+            &self.clock,
+            &self.camera,
+            &self.sun,
+            &self.air,
+            &self.ground,
+            &self.night.airglow,
+            &self.night.zodiacal,
+            &self.night.milky_way,
+            &self.night.light_pollution,
+            &self.output,
+        ]
     }
 
-    fn tables_mut(&mut self) -> [&mut dyn Params; 7] {
+    fn tables_mut(&mut self) -> [&mut dyn Params; 11] {
         [
             &mut self.observer,
             &mut self.clock,
@@ -132,6 +148,10 @@ impl Scene {
             &mut self.sun,
             &mut self.air,
             &mut self.ground,
+            &mut self.night.airglow,
+            &mut self.night.zodiacal,
+            &mut self.night.milky_way,
+            &mut self.night.light_pollution,
             &mut self.output,
         ]
     }

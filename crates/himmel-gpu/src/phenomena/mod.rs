@@ -2,6 +2,7 @@
 
 pub mod air;
 pub mod ground;
+pub mod night_glow;
 pub mod sun;
 
 /// A table that shaders read texel by texel (no sampler, so no filtering is asked of the format).

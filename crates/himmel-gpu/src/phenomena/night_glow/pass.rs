@@ -1,0 +1,228 @@
+//! What shaders read of a night: a uniform, the star map, the table of zodiacal light.
+
+use std::sync::Arc;
+
+use super::{NightGlow, StarMap, zodiacal};
+use crate::layout::gpu_struct;
+use crate::pass::{Bound, Slot, bind, layout};
+
+gpu_struct! {
+    /// The fields are explained in `night_glow.wgsl`.
+    pub struct NightUniform {
+        /// Airglow at the zenith.
+        pub airglow: [f32; 4],
+        /// Of one S10 of red.
+        pub four_from_red: [f32; 4],
+        /// Of green.
+        pub four_from_green: [f32; 4],
+        /// Of blue.
+        pub four_from_blue: [f32; 4],
+        /// Light of cities over 1 − T′.
+        pub pollution: [f32; 4],
+        /// Mean radiance on the air.
+        pub diffuse: [f32; 4],
+        /// The factor of its transmission.
+        pub diffuse_factor: [f32; 4],
+        /// Radiance of the ground.
+        pub ground: [f32; 4],
+        /// Distance of the layer from the planet's centre, m.
+        pub layer_radius_m: f32,
+        /// One over its unit, 1/m.
+        pub per_layer_unit: f32,
+        /// Its unit over its vertical path.
+        pub unit_over_vertical: f32,
+        /// Radiance of a texel of the zodiacal table.
+        pub zodiacal: f32,
+        /// Texels of the star map to a radian.
+        pub texels_per_rad: f32,
+        /// Fills up.
+        pub padding_0: f32,
+        /// Fills up.
+        pub padding_1: f32,
+        /// Fills up.
+        pub padding_2: f32,
+    }
+}
+
+/// S10 are stored over this: it keeps the corona in half floats.
+const STORED_OVER: f64 = 64.0;
+
+impl NightUniform {
+    /// Of a night.
+    pub fn new(night: &NightGlow) -> Self {
+        let four = |values: [f64; 4]| values.map(|value| value as f32);
+        let [red, green, blue] = night.four_from_s10.map(four);
+        Self {
+            airglow: four(night.airglow),
+            four_from_red: red,
+            four_from_green: green,
+            four_from_blue: blue,
+            pollution: four(night.pollution),
+            diffuse: four(night.diffuse),
+            diffuse_factor: four(night.diffuse_factor),
+            ground: four(night.ground),
+            layer_radius_m: night.layer.radius_m as f32,
+            per_layer_unit: (1.0 / night.layer.unit_m) as f32,
+            unit_over_vertical: night.layer.unit_over_vertical as f32,
+            zodiacal: (night.zodiacal * STORED_OVER) as f32,
+            texels_per_rad: night.star_map.as_ref().map_or(1.0, |map| 0.5 * map.side() as f32),
+            ..Self::default()
+        }
+    }
+}
+
+/// The bind group of a night: black and tiny until the first one.
+pub(crate) struct NightTextures {
+    pub layout: wgpu::BindGroupLayout,
+    pub group: wgpu::BindGroup,
+    pub buffer: wgpu::Buffer,
+    sampler: wgpu::Sampler,
+    star_map: wgpu::TextureView,
+    zodiacal: wgpu::TextureView,
+    /// What the textures hold.
+    held_map: Option<Arc<StarMap>>,
+    held_table: Option<Arc<Vec<[f64; 4]>>>,
+    bytes: u64,
+}
+
+impl NightTextures {
+    pub(crate) fn new(device: &wgpu::Device) -> Self {
+        let size = size_of::<NightUniform>() as u64;
+        let slots = [(0, Slot::Uniform(size, false)), (1, Slot::Cube), (2, Slot::FilteredTable), (3, Slot::Sampler)];
+        let layout = layout(device, "night glow", wgpu::ShaderStages::FRAGMENT, &slots);
+        let buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("night glow"),
+            size,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("linear, with levels"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            ..Default::default()
+        });
+        let star_map = cube_view(&cube(device, 1, 1));
+        let zodiacal = table(device, [1, 1]).create_view(&Default::default());
+        let group = group(device, &layout, &buffer, &star_map, &zodiacal, &sampler);
+        Self { layout, group, buffer, sampler, star_map, zodiacal, held_map: None, held_table: None, bytes: 0 }
+    }
+
+    /// Uploads what a night has and the textures do not hold yet: once, unless settings change.
+    pub(crate) fn hold(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, night: &NightGlow) {
+        let same_map = match (&self.held_map, &night.star_map) {
+            (Some(held), Some(wanted)) => Arc::ptr_eq(held, wanted),
+            (None, None) => true,
+            _ => false,
+        };
+        let same_table = self.held_table.as_ref().is_some_and(|held| Arc::ptr_eq(held, &night.zodiacal_table));
+        if same_map && same_table {
+            return;
+        }
+        if !same_map {
+            let texture = match &night.star_map {
+                Some(map) => {
+                    let texture = cube(device, map.side(), map.levels().len() as u32);
+                    for (level, texels) in map.levels().iter().enumerate() {
+                        let side = (map.side() >> level).max(1);
+                        write(queue, &texture, level as u32, [side, side, 6], bytemuck::cast_slice(texels));
+                    }
+                    texture
+                }
+                None => cube(device, 1, 1),
+            };
+            self.star_map = cube_view(&texture);
+            self.held_map = night.star_map.clone();
+            self.bytes = night.star_map.as_ref().map_or(0, |map| map.levels().iter().map(|l| 4 * l.len() as u64).sum());
+        }
+        if !same_table {
+            let [width, height] = zodiacal::SIZE;
+            let texture = table(device, zodiacal::SIZE.map(|side| side as u32));
+            let texels: Vec<u16> = night
+                .zodiacal_table
+                .iter()
+                .flat_map(|four| four.map(|s10| half::f16::from_f64(s10 / STORED_OVER).to_bits()))
+                .collect();
+            if texels.len() == 4 * width * height {
+                write(queue, &texture, 0, [width as u32, height as u32, 1], bytemuck::cast_slice(&texels));
+            }
+            self.zodiacal = texture.create_view(&Default::default());
+            self.held_table = Some(Arc::clone(&night.zodiacal_table));
+        }
+        self.group = group(device, &self.layout, &self.buffer, &self.star_map, &self.zodiacal, &self.sampler);
+    }
+
+    pub(crate) fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+fn group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    buffer: &wgpu::Buffer,
+    star_map: &wgpu::TextureView,
+    zodiacal: &wgpu::TextureView,
+    sampler: &wgpu::Sampler,
+) -> wgpu::BindGroup {
+    let bound = [
+        (0, Bound::Buffer(buffer)),
+        (1, Bound::View(star_map)),
+        (2, Bound::View(zodiacal)),
+        (3, Bound::Sampler(sampler)),
+    ];
+    bind(device, "night glow", layout, &bound)
+}
+
+fn texture(
+    device: &wgpu::Device,
+    label: &str,
+    [width, height, layers]: [u32; 3],
+    levels: u32,
+    format: wgpu::TextureFormat,
+) -> wgpu::Texture {
+    device.create_texture(&wgpu::TextureDescriptor {
+        label: Some(label),
+        size: wgpu::Extent3d { width, height, depth_or_array_layers: layers },
+        mip_level_count: levels,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        view_formats: &[],
+    })
+}
+
+fn cube(device: &wgpu::Device, side: u32, levels: u32) -> wgpu::Texture {
+    texture(device, "star map", [side, side, 6], levels, wgpu::TextureFormat::Rgb9e5Ufloat)
+}
+
+fn cube_view(texture: &wgpu::Texture) -> wgpu::TextureView {
+    texture.create_view(&wgpu::TextureViewDescriptor {
+        dimension: Some(wgpu::TextureViewDimension::Cube),
+        ..Default::default()
+    })
+}
+
+fn table(device: &wgpu::Device, [width, height]: [u32; 2]) -> wgpu::Texture {
+    texture(device, "zodiacal light", [width, height, 1], 1, wgpu::TextureFormat::Rgba16Float)
+}
+
+fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, level: u32, [width, height, layers]: [u32; 3], bytes: &[u8]) {
+    queue.write_texture(
+        wgpu::TexelCopyTextureInfo {
+            texture,
+            mip_level: level,
+            origin: wgpu::Origin3d::ZERO,
+            aspect: wgpu::TextureAspect::All,
+        },
+        bytes,
+        wgpu::TexelCopyBufferLayout {
+            offset: 0,
+            bytes_per_row: Some(bytes.len() as u32 / (height * layers).max(1)),
+            rows_per_image: Some(height),
+        },
+        wgpu::Extent3d { width, height, depth_or_array_layers: layers },
+    );
+}
