@@ -17,8 +17,8 @@ use jiff::Timestamp;
 
 use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
-use crate::night::NightCache;
 use crate::light::{AmbientLight, Light, LightSource, SunLight, pure_colour};
+use crate::night::NightCache;
 use crate::observer::Observer;
 use crate::scene::{ProjectionKind, Scene};
 
@@ -93,7 +93,16 @@ impl SkyModel {
             }
         };
         let bending = Mutex::new(None);
-        Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris, bending, night: NightCache::default() })
+        Ok(Self {
+            scene: scene.clone(),
+            preset,
+            atmosphere,
+            observer,
+            clock,
+            ephemeris,
+            bending,
+            night: NightCache::default(),
+        })
     }
 
     /// The settings as they were given; the clock may have run, and the observer moved, since.

@@ -53,7 +53,8 @@ impl NightCache {
     fn star_map(&self, folder: &Path, file: &str) -> Option<Arc<StarMap>> {
         if file.is_empty() {
             static MAP: OnceLock<Option<Arc<StarMap>>> = OnceLock::new();
-            let built_in = || read_map("milky_way.jpg", image::load_from_memory_with_format(BUILT_IN, ImageFormat::Jpeg));
+            let built_in =
+                || read_map("milky_way.jpg", image::load_from_memory_with_format(BUILT_IN, ImageFormat::Jpeg));
             return MAP.get_or_init(built_in).clone();
         }
         let path = folder.join(file);
@@ -118,12 +119,15 @@ impl NightZenith {
 }
 
 impl SkyModel {
-    /// What glows at night; `None` by day, when nobody could see it. The first night reads the star map (some tenths of a second).
+    /// What glows at night; `None` where nothing does, and by day, when nobody could see it. The first night reads the star map (some tenths of a second).
     pub fn night(&self) -> Result<Option<NightGlow>> {
         let (sun, scene) = (self.sun()?, self.scene());
         let (air, altitude_m) = (self.atmosphere(), self.altitude_m());
         let above = altitude_m > SPACE_FROM.1.min(SPACE_FROM.0 * air.medium().top_altitude_m);
         let thin = air.extended_transmittance(altitude_m.min(air.medium().top_altitude_m), 1.0)[1] > 1.0 - THIN;
+        if scene.night.is_dark() {
+            return Ok(None);
+        }
         if !above && !thin && sun.airless_altitude_deg > DAY_ABOVE_DEG && scene.sun.brightness > 1e-6 {
             return Ok(None);
         }

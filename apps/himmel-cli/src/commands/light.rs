@@ -342,7 +342,8 @@ fn print_night(night: &himmel::NightZenith) {
 }
 
 /// Names of [`night_parts`].
-const NIGHT_PARTS: [&str; 6] = ["airglow", "zodiacal light", "starlight", "their scattering", "cities", "twilight, Moon"];
+const NIGHT_PARTS: [&str; 6] =
+    ["airglow", "zodiacal light", "starlight", "their scattering", "cities", "twilight, Moon"];
 
 fn night_parts(night: &himmel::NightZenith) -> [f64; 6] {
     [

@@ -15,9 +15,8 @@ impl Scaled {
     /// Of a medium.
     pub fn new(air: &Sampled<'_, 4>) -> Self {
         // Four moments tell the peak.
-        let extinction = |s: &super::optics::Scatterer<4>| {
-            std::array::from_fn(|k| s.extinction_per_m[k] - s.peak_per_m[k])
-        };
+        let extinction =
+            |s: &super::optics::Scatterer<4>| std::array::from_fn(|k| s.extinction_per_m[k] - s.peak_per_m[k]);
         Self { extinction_per_m: Optics::new(air, 4).scatterers.iter().map(extinction).collect() }
     }
 

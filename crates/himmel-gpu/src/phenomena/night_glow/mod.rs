@@ -5,7 +5,7 @@
 //!   of all lines of sight comes back as an even glow, by reciprocity the diffuse transmission of the same air
 //!   ([`diffuse_transmission`]): this is why the night's effective extinction is less than that of stars [leinert1998, section 6].
 //!   Airglow shines from a layer ([`Layer`]) that one can stand below, in or above. Light of cities is scattered once by air that
-//!   is lit from below: it grows with what the air takes from a line of sight, 1 − T′, as moonlight does in [krisciunas1991].
+//!   is lit from below: it grows towards the horizon as the moonlight of [krisciunas1991] does ([`polluted_share`]).
 //! - **What it costs**: a sample of a cube map and one of a small table for each pixel, some hundred operations; nothing while
 //!   [`FrameState::night`](crate::FrameState) is none.
 //! - **What it leaves out**: waves and patches of airglow, its red layer at 250 km, aurorae; the cloud of dust is symmetric to the
@@ -20,13 +20,15 @@ pub mod params;
 mod pass;
 pub mod pollution;
 pub mod star_map;
+#[cfg(test)]
+mod tests;
 pub mod zodiacal;
 
 pub use airglow::Layer;
-pub use model::{NightGlow, NightParts, NightSettings, diffuse_transmission, four_from_rec709};
+pub use model::{NightGlow, NightParts, NightSettings, diffuse_transmission, four_from_rec709, polluted_share};
 pub use params::{AirglowParams, Lamp, LightPollutionParams, MilkyWayParams, ZodiacalParams};
-pub use pass::NightUniform;
 pub(crate) use pass::NightTextures;
+pub use pass::NightUniform;
 pub use star_map::{StarMap, StarMapError};
 
 /// Luminance of one S10: a star of V = 10 on a square degree, of 2.54e-6 lx at V = 0   [allen1973]

@@ -10,8 +10,9 @@ struct NightUniform {
     four_from_red: vec4f,
     four_from_green: vec4f,
     four_from_blue: vec4f,
-    // What 1 − T′ is multiplied by for the light of cities.
+    // Light of cities: factor, and the air's depth of the vertical.
     pollution: vec4f,
+    depth: vec4f,
     // Mean radiance that falls on the air, and what becomes of it (`diffuse_transmission`).
     diffuse: vec4f,
     diffuse_factor: vec4f,
@@ -107,5 +108,5 @@ fn night_radiance(ray: vec3f, pixel: f32, mu: f32, sin_theta: f32, below: bool, 
     let total = ((2.0 + 3.0 * up) + (2.0 - 3.0 * up) * through) * layer.diffuse_factor;
     let behind = starlight(ray, pixel) + zodiacal_light(ray) + layer.airglow * path.y;
     return behind * through + layer.airglow * path.x + layer.diffuse * max(total - through, vec4f(0.0))
-        + layer.pollution * (1.0 - through);
+        + layer.pollution * (1.0 - exp(-layer.depth * inverseSqrt(1.0 - 0.96 * (1.0 - up * up))));
 }

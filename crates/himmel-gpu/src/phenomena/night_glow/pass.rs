@@ -17,8 +17,10 @@ gpu_struct! {
         pub four_from_green: [f32; 4],
         /// Of blue.
         pub four_from_blue: [f32; 4],
-        /// Light of cities over 1 − T′.
+        /// Factor on the light of cities.
         pub pollution: [f32; 4],
+        /// The air's depth of the vertical.
+        pub depth: [f32; 4],
         /// Mean radiance on the air.
         pub diffuse: [f32; 4],
         /// The factor of its transmission.
@@ -58,6 +60,7 @@ impl NightUniform {
             four_from_green: green,
             four_from_blue: blue,
             pollution: four(night.pollution),
+            depth: four(night.depth),
             diffuse: four(night.diffuse),
             diffuse_factor: four(night.diffuse_factor),
             ground: four(night.ground),

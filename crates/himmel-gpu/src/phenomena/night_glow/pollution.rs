@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use super::params::{Lamp, LightPollutionParams};
 use super::cd_m2_of_mag_arcsec2;
+use super::params::{Lamp, LightPollutionParams};
 
 /// Zenith of the Bortle classes 1 to 9 without a Moon, mag/arcsec²: the middle of each class in the ranges that maps of light
 /// pollution use (21.99, 21.89, 21.69, 20.49, 19.50, 18.94, 18.38, 17.80 between them). The scale itself speaks of what one

@@ -10,7 +10,9 @@ const MOST_SIDE: u32 = 2048;
 
 /// Why a map cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("a star map is a picture of 3 × 2 square faces with a side of 8, 16 … {MOST_SIDE} pixels, got {width} × {height} with {bytes} bytes")]
+#[error(
+    "a star map is a picture of 3 × 2 square faces with a side of 8, 16 … {MOST_SIDE} pixels, got {width} × {height} with {bytes} bytes"
+)]
 pub struct StarMapError {
     width: u32,
     height: u32,
@@ -116,6 +118,7 @@ impl StarMap {
 
 /// Face and place on it, −1..=1 to the right and down, as cube textures have it   [webgpu]
 fn face_of(d: DVec3) -> (usize, f64, f64) {
+    let d = if d.is_finite() { d } else { DVec3::X };
     let a = d.abs();
     let (face, major, u, v) = if a.x >= a.y && a.x >= a.z {
         if d.x >= 0.0 { (0, a.x, -d.z, -d.y) } else { (1, a.x, d.z, -d.y) }
@@ -173,7 +176,7 @@ mod tests {
         for (face, direction) in
             [DVec3::X, DVec3::NEG_X, DVec3::Y, DVec3::NEG_Y, DVec3::Z, DVec3::NEG_Z].into_iter().enumerate()
         {
-            assert_eq!(face_of(direction), (face, -0.0, -0.0).min((face, 0.0, 0.0)));
+            assert_eq!(face_of(direction), (face, 0.0, 0.0)); // −0 equals 0
         }
         assert_eq!(face_of(DVec3::new(1.0, 0.5, 0.25)), (0, -0.25, -0.5));
         assert_eq!(face_of(DVec3::new(-0.25, -0.5, -1.0)), (5, 0.25, 0.5));
