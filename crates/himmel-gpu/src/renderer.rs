@@ -140,6 +140,7 @@ pub struct SkyRenderer {
     tonemap: Tonemap,
     eclipsed: bool,
     by_night: bool,
+    occluded: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     /// Of the metering view and each prepared one: its tiles by what they need.
@@ -263,6 +264,7 @@ impl SkyRenderer {
             tonemap: OutputParams::default().tonemap,
             eclipsed: false,
             by_night: false,
+            occluded: false,
             marching: Vec::new(),
             tiles: Vec::new(),
             uploads: Uploads {
@@ -454,6 +456,7 @@ impl SkyRenderer {
         self.tonemap = frame.output.tonemap;
         self.eclipsed = frame.shadow.is_some();
         self.by_night = frame.night.is_some();
+        self.occluded = frame.occluder.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
@@ -581,6 +584,7 @@ impl SkyRenderer {
             tonemap: self.tonemap,
             eclipsed: self.eclipsed,
             night: self.by_night,
+            occluded: self.occluded,
         }
     }
 
@@ -783,7 +787,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 16 * Tonemap::ALL.len()];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 32 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -794,10 +798,12 @@ struct Kind {
     several_lights: bool,
     /// How finished pictures are tone mapped.
     tonemap: Tonemap,
-    /// Whether something stands before the Sun.
+    /// Whether something stands before the Sun for the air …
     eclipsed: bool,
     /// Whether the night glows.
     night: bool,
+    /// … and for its disc.
+    occluded: bool,
 }
 
 fn none_made() -> Made {
@@ -817,6 +823,7 @@ impl Pipelines {
                     tonemap: OutputParams::default().tonemap,
                     eclipsed: false,
                     night: false,
+                    occluded: false,
                 },
             );
         }
@@ -826,8 +833,9 @@ impl Pipelines {
         let at = usize::from(kind.linear)
             + 2 * usize::from(kind.several_lights)
             + 4 * usize::from(kind.eclipsed)
-            + 8 * usize::from(kind.night)
-            + 16 * kind.tonemap as usize;
+            + 8 * usize::from(kind.occluded)
+            + 16 * usize::from(kind.night)
+            + 32 * kind.tonemap as usize;
         self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
@@ -861,6 +869,7 @@ fn sky_pipeline(
         ("several_lights", on(kind.several_lights)),
         ("eclipses", on(kind.eclipsed)),
         ("night", on(kind.night)),
+        ("occluded", on(kind.occluded)),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),
         marching,
         metering,

@@ -30,8 +30,8 @@ override several_lights: bool = false;
 // Whether the night's own glow is drawn.
 override night: bool = false;
 
-// Tiles along the sides of a picture; the same in tiles.rs.
-const TILES: vec2u = vec2u(20u, 14u);
+// Cells along the sides of a picture; the same in tiles.rs.
+const CELLS: vec2u = vec2u(80u, 56u);
 
 struct SkyVertex {
     @builtin(position) position: vec4f,
@@ -51,7 +51,7 @@ fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instan
         let high = vec2u((packed >> 16u) & 0xffu, packed >> 24u);
         // Two triangles: (0,0) (1,0) (0,1), (0,1) (1,0) (1,1).
         let far = vec2<bool>(index == 1u || index == 4u || index == 5u, index == 2u || index == 3u || index == 5u);
-        ndc = vec2f(select(low, high, far)) / vec2f(TILES) * 2.0 - 1.0;
+        ndc = vec2f(select(low, high, far)) / vec2f(CELLS) * 2.0 - 1.0;
     }
     var exposure = frame.exposure;
     if exposure == 0.0 && !metering {

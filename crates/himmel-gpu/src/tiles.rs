@@ -3,14 +3,21 @@
 //! Rasterisers on CPUs run every branch of a shader, and GPUs keep registers for the largest: most pixels of a sky are
 //! far from its lights and from the horizon, and need neither.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use glam::DVec3;
 
 use crate::view::View;
 
-/// Tiles along the sides of a picture; the same in `sky.wgsl`.
+/// Tiles along the sides of a picture.
 const TILES: [usize; 2] = [20, 14];
+/// Tiles with a disc or the horizon are divided into so many cells a side, as far as there is room for the rectangles.
+const DIVISION: usize = 4;
+/// Cells along the sides of a picture; the same in `sky.wgsl`.
+const CELLS: [usize; 2] = [TILES[0] * DIVISION, TILES[1] * DIVISION];
+/// A disc smaller than a pixel is widened to one: room for it, as a share of a tile's reach. Enough from 40 pixels on.
+const WIDENED: f64 = 0.4;
 
 /// Angle to a light up to which its aureole is drawn, rad; the same in `sky_view_table.wgsl`.
 const AUREOLE_TO: f64 = 0.35;
@@ -49,81 +56,116 @@ pub(crate) struct TileLight {
     pub reach_rad: f64,
 }
 
-/// Rectangles of tiles, those with the same needs together.
+/// Rectangles of cells, those with the same needs together.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Tiles {
-    /// First and last corner in tiles: x₀, y₀, x₁, y₁ a byte each, from the lowest.
+    /// First and last corner in cells: x₀, y₀, x₁, y₁ a byte each, from the lowest.
     pub rectangles: [[[u32; 4]; 14]; 5],
     /// Which rectangles have each of [`Needs::SETS`].
     pub ranges: [Range<u32>; 5],
 }
 
+/// As many as there are tiles: undivided ones always have room.
+const MOST_RECTANGLES: usize = TILES[0] * TILES[1];
+
 impl Tiles {
     /// Sorts a view's tiles. `up`: the zenith, east-north-up. `horizon`: elevation of the horizon, rad.
     pub(crate) fn new(view: &View, up: DVec3, horizon: f64, lights: &[TileLight]) -> Self {
-        let reach = reach(view);
-        let needs: Vec<Needs> = (0..TILES[0] * TILES[1])
-            .map(|index| {
-                let middle = at(view, (index % TILES[0]) as f64 + 0.5, (index / TILES[0]) as f64 + 0.5);
-                needs(middle, reach, up, horizon, lights)
-            })
-            .collect();
+        let scene = Around { up, horizon, lights, widened: WIDENED * reach(view) };
+        let cells = sort(view, &scene, DIVISION);
+        Self::merged(&cells).or_else(|| Self::merged(&sort(view, &scene, 1))).unwrap_or_default()
+    }
+
+    /// Runs of cells with the same needs, grown over the rows; `None`: more than there is room for.
+    fn merged(cells: &[Needs]) -> Option<Self> {
         let mut tiles = Self::default();
         let mut count = 0;
         for (set, range) in Needs::SETS.iter().zip(&mut tiles.ranges) {
             let from = count;
+            // x₀, y₀, x₁, y₁ of rectangles that end at the row below.
             let mut open: Vec<[usize; 4]> = Vec::new();
             let mut done: Vec<[usize; 4]> = Vec::new();
-            for y in 0..TILES[1] {
-                let mut still_open = Vec::new();
+            for (y, row) in cells.chunks(CELLS[0]).enumerate() {
+                let mut grown = Vec::new();
                 let mut x = 0;
-                while x < TILES[0] {
-                    let row = &needs[y * TILES[0]..(y + 1) * TILES[0]];
+                while x < CELLS[0] {
                     let length = row[x..].iter().take_while(|needs| *needs == set).count();
                     if length > 0 {
-                        // A run of the same columns in the row below grows.
                         let below = open.iter().position(|r| r[0] == x && r[2] == x + length);
                         let first_row = below.map_or(y, |index| open.swap_remove(index)[1]);
-                        still_open.push([x, first_row, x + length, y + 1]);
+                        grown.push([x, first_row, x + length, y + 1]);
                     }
                     x += length.max(1);
                 }
                 done.append(&mut open);
-                open = still_open;
+                open = grown;
             }
             done.append(&mut open);
-            for [x0, y0, x1, y1] in done {
-                let packed = [x0, y0, x1, y1].iter().rev().fold(0, |sum, &value| sum << 8 | value as u32);
-                let vector = count / 4;
-                tiles.rectangles[vector / 14][vector % 14][count % 4] = packed;
+            for corners in done {
+                let place = (count < MOST_RECTANGLES).then_some([count / 56, count / 4 % 14, count % 4])?;
+                let packed = corners.iter().rev().fold(0, |sum, &value| sum << 8 | value as u32);
+                tiles.rectangles[place[0]][place[1]][place[2]] = packed;
                 count += 1;
             }
             *range = from as u32..count as u32;
         }
-        tiles
+        Some(tiles)
     }
+}
+
+/// What is around a view.
+struct Around<'a> {
+    up: DVec3,
+    horizon: f64,
+    lights: &'a [TileLight],
+    /// Room for discs that are widened to a pixel, rad.
+    widened: f64,
+}
+
+/// What each cell needs; all cells of a tile alike, but where tiles are divided.
+fn sort(view: &View, around: &Around<'_>, division: usize) -> Vec<Needs> {
+    let reach = reach(view);
+    let mut cells = vec![Needs::default(); CELLS[0] * CELLS[1]];
+    for index in 0..TILES[0] * TILES[1] {
+        let corner = [index % TILES[0], index / TILES[0]];
+        let whole = around.needs(at(view, corner.map(|x| x as f64 + 0.5)), reach);
+        let divided = division > 1 && (whole.disc || whole.horizon) && reach <= 1.0;
+        for inner in 0..DIVISION * DIVISION {
+            let inside = [inner % DIVISION, inner / DIVISION];
+            let cell = [0, 1].map(|i| corner[i] * DIVISION + inside[i]);
+            cells[cell[1] * CELLS[0] + cell[0]] = if divided {
+                let middle = cell.map(|x| (x as f64 + 0.5) / DIVISION as f64);
+                around.needs(at(view, middle), reach / DIVISION as f64)
+            } else {
+                whole
+            };
+        }
+    }
+    cells
 }
 
 /// Where a place in tiles looks; `None` outside the picture.
-fn at(view: &View, x: f64, y: f64) -> Option<DVec3> {
+fn at(view: &View, place: [f64; 2]) -> Option<DVec3> {
     let [left, bottom, width, height] = view.part;
-    let place = |from: f64, size: f64, share: f64| 2.0 * (from + size * share) - 1.0;
-    view.direction([place(left, width, x / TILES[0] as f64), place(bottom, height, y / TILES[1] as f64)])
+    let ndc = |from: f64, size: f64, share: f64| 2.0 * (from + size * share) - 1.0;
+    view.direction([ndc(left, width, place[0] / TILES[0] as f64), ndc(bottom, height, place[1] / TILES[1] as f64)])
 }
 
-fn needs(middle: Option<DVec3>, reach: f64, up: DVec3, horizon: f64, lights: &[TileLight]) -> Needs {
-    // Outside a fisheye, or so wide that nothing can be told.
-    let Some(middle) = middle.filter(|_| reach <= 1.0) else { return Needs::ALL };
-    let near = |direction: DVec3, angle: f64| angle > std::f64::consts::PI || middle.angle_between(direction) < angle;
-    // A hundredth more: discs are widened to a pixel.
-    if lights.iter().any(|light| near(light.disc_direction, light.reach_rad + reach + 0.01)) {
-        return Needs::ALL;
-    }
-    let elevation = middle.dot(up).clamp(-1.0, 1.0).asin();
-    Needs {
-        horizon: (elevation - horizon).abs() <= reach,
-        aureole: lights.iter().any(|light| near(light.direction, AUREOLE_TO + reach)),
-        disc: false,
+impl Around<'_> {
+    /// What pixels within an angle of a direction need.
+    fn needs(&self, middle: Option<DVec3>, reach: f64) -> Needs {
+        // Outside a fisheye, or so wide that nothing can be told.
+        let Some(middle) = middle.filter(|_| reach <= 1.0) else { return Needs::ALL };
+        let near = |direction: DVec3, angle: f64| angle > PI || middle.dot(direction) > angle.cos();
+        if self.lights.iter().any(|light| near(light.disc_direction, light.reach_rad + self.widened + reach)) {
+            return Needs::ALL;
+        }
+        let elevation = middle.dot(self.up).clamp(-1.0, 1.0).asin();
+        Needs {
+            horizon: (elevation - self.horizon).abs() <= reach,
+            aureole: self.lights.iter().any(|light| near(light.direction, AUREOLE_TO + reach)),
+            disc: false,
+        }
     }
 }
 
@@ -135,9 +177,9 @@ fn reach(view: &View) -> f64 {
     for x in [0, columns / 2, columns - 1] {
         for y in [0, rows / 2, rows - 1] {
             let (x, y) = (x as f64, y as f64);
-            let Some(middle) = at(view, x + 0.5, y + 0.5) else { continue };
+            let Some(middle) = at(view, [x + 0.5, y + 0.5]) else { continue };
             for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-                reach = reach.max(at(view, x + dx, y + dy).map_or(0.0, |corner| middle.angle_between(corner)));
+                reach = reach.max(at(view, [x + dx, y + dy]).map_or(0.0, |corner| middle.angle_between(corner)));
             }
         }
     }
@@ -148,17 +190,16 @@ fn reach(view: &View) -> f64 {
 mod tests {
     use super::*;
 
-    /// How often each tile is covered, and by which set.
-    fn covered(tiles: &Tiles) -> Vec<Vec<usize>> {
-        let mut by = vec![Vec::new(); TILES[0] * TILES[1]];
+    /// By which sets each cell is drawn.
+    fn drawn(tiles: &Tiles) -> Vec<Vec<Needs>> {
+        let mut by = vec![Vec::new(); CELLS[0] * CELLS[1]];
         for (set, range) in tiles.ranges.iter().enumerate() {
-            for index in range.clone() {
-                let vector = index as usize / 4;
-                let packed = tiles.rectangles[vector / 14][vector % 14][index as usize % 4];
+            for index in range.clone().map(|index| index as usize) {
+                let packed = tiles.rectangles[index / 56][index / 4 % 14][index % 4];
                 let [x0, y0, x1, y1] = packed.to_le_bytes().map(usize::from);
                 for y in y0..y1 {
                     for x in x0..x1 {
-                        by[y * TILES[0] + x].push(set);
+                        by[y * CELLS[0] + x].push(Needs::SETS[set]);
                     }
                 }
             }
@@ -166,27 +207,34 @@ mod tests {
         by
     }
 
-    fn light(direction: DVec3) -> TileLight {
-        TileLight { direction, disc_direction: direction, reach_rad: 0.005 }
-    }
-
     #[test]
-    fn every_tile_is_drawn_once_by_what_it_needs() {
+    fn every_cell_is_drawn_once_by_what_it_needs() {
         let mut number = 1u64;
         let mut random = || {
             number = number.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
             (number >> 40) as f64 / (1u64 << 24) as f64
         };
-        for _ in 0..200 {
+        let mut divided = 0;
+        for _ in 0..300 {
             let view = View::looking(6.3 * random(), 3.0 * random() - 1.5, 0.05 + 2.5 * random(), 1.6);
-            let sun = view.direction([2.0 * random() - 1.0, 2.0 * random() - 1.0]).unwrap();
-            let tiles = Tiles::new(&view, DVec3::Z, -0.01, &[light(sun)]);
-            let reach = reach(&view);
-            for (index, by) in covered(&tiles).iter().enumerate() {
-                let middle = at(&view, (index % TILES[0]) as f64 + 0.5, (index / TILES[0]) as f64 + 0.5);
-                let needs = needs(middle, reach, DVec3::Z, -0.01, &[light(sun)]);
-                assert_eq!(by.iter().map(|&set| Needs::SETS[set]).collect::<Vec<_>>(), [needs]);
+            let direction = view.direction([2.0 * random() - 1.0, 2.0 * random() - 1.0]).unwrap();
+            let up = DVec3::new(random() - 0.5, random() - 0.5, 1.0).normalize();
+            let light = TileLight { direction, disc_direction: direction, reach_rad: 0.005 };
+            let tiles = Tiles::new(&view, up, -0.01, &[light]);
+            let by = drawn(&tiles);
+            assert!(by.iter().all(|by| by.len() == 1));
+            // The cell with the disc, one on the horizon, one in the aureole.
+            let widened = 0.0;
+            let light = TileLight { direction, disc_direction: direction, reach_rad: 0.005 };
+            let around = Around { up, horizon: -0.01, lights: &[light], widened };
+            for (index, by) in by.iter().enumerate() {
+                let place = [index % CELLS[0], index / CELLS[0]].map(|x| (x as f64 + 0.5) / DIVISION as f64);
+                let point = around.needs(at(&view, place), 0.0);
+                let tile = by[0];
+                assert!(tile.disc || !point.disc && tile.horizon >= point.horizon && tile.aureole >= point.aureole);
             }
+            divided += usize::from(tiles != Tiles::merged(&sort(&view, &around, 1)).unwrap());
         }
+        assert!(divided > 100, "{divided}");
     }
 }

@@ -88,7 +88,7 @@ struct ViewUniform {
     // Rows of ICRS from view space, and of the ecliptic with its x to the Sun.
     icrs_from_view: array<vec4f, 3>,
     ecliptic_from_view: array<vec4f, 3>,
-    // Rectangles of tiles, four to a vector: x₀, y₀, x₁, y₁ in tiles, a byte each, from the lowest.
+    // Rectangles of cells, four to a vector: x₀, y₀, x₁, y₁ in cells, a byte each, from the lowest.
     rectangles: array<vec4u, 70>,
 }
 

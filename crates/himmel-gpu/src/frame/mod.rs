@@ -111,7 +111,7 @@ gpu_struct! {
         pub icrs_from_view: [[f32; 4]; 3],
         /// Rows of the ecliptic (x to the Sun) from view space.
         pub ecliptic_from_view: [[f32; 4]; 3],
-        /// Rectangles of tiles, see `tiles.rs`.
+        /// Rectangles of cells, see `tiles.rs`.
         pub rectangles: [[[u32; 4]; 14]; 5],
     }
 }

@@ -52,7 +52,8 @@ fn sky_view_radiance(light: u32, ray: vec3f, mu: f32, below: bool) -> vec4f {
     let layer = sky_view_layer(light);
     var stored = sky_view_sample(layer, uv);
     if aerosols > 0u {
-        let theta = angle_between(ray, view.lights[light].direction);
+        // From the chord: exact where the peaks are.
+        let theta = 2.0 * asin(min(0.5 * length(ray - view.lights[light].direction), 1.0));
         stored += sky_view_sample(layer + 1u, uv) * mean_phase(theta_coordinate_of(theta));
     }
     return max(stored, vec4f(0.0));
