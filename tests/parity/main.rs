@@ -5,5 +5,6 @@ mod allocation;
 mod apply_air;
 mod functions;
 mod host;
+mod night;
 mod pictures;
 mod sun;

@@ -800,10 +800,10 @@ struct Kind {
     tonemap: Tonemap,
     /// Whether something stands before the Sun for the air …
     eclipsed: bool,
-    /// Whether the night glows.
-    night: bool,
     /// … and for its disc.
     occluded: bool,
+    /// Whether the night glows.
+    night: bool,
 }
 
 fn none_made() -> Made {

@@ -144,7 +144,8 @@ impl SkyModel {
         let map = scene.night.milky_way.enabled.then(|| self.night_cache().star_map(&scene.folder, file)).flatten();
         let table = self.night_cache().table(air.wavelengths_nm());
         let axes = [enu_from_icrs.transpose(), ecliptic_from_enu];
-        Ok(Some(NightGlow::new(air, &scene.night, map, table, axes, altitude_m)))
+        let site_m = self.observer().height_m.max(0.0);
+        Ok(Some(NightGlow::new(air, &scene.night, map, table, axes, [altitude_m, site_m])))
     }
 
     /// The zenith of a night part by part; `twilight_cd_m2`: what Sun and Moon add by the air.
@@ -165,5 +166,97 @@ impl SkyModel {
             twilight_cd_m2,
             drawn_stars_cd_m2: drawn / (4.0 * std::f64::consts::PI),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    fn model(settings: &[(&str, &str)]) -> SkyModel {
+        let mut scene = Scene::default();
+        for (key, value) in settings {
+            scene.set(key, value).unwrap();
+        }
+        SkyModel::new(&scene).unwrap()
+    }
+
+    /// Zenith far from the Milky Way at a new Moon: V = 21.7 to 22.0 mag/arcsec² at dark sites near the Sun's minimum
+    /// [leinert1998, section 6; benn1998: 21.9 on La Palma at high ecliptic latitude].
+    #[test]
+    fn the_zenith_of_a_dark_site() {
+        for (place, time) in [
+            ("Potsdam", "2012-04-20T23:30Z"),
+            ("28.7606,-17.8814,2396", "2012-04-21T01:00Z"),
+            ("-24.6272,-70.4042,2635", "2012-10-15T04:00Z"),
+        ] {
+            let light = model(&[("observer.place", place), ("clock.time", time)]).light().unwrap();
+            let night = light.night.unwrap();
+            println!("{place}: {:.2} mag/arcsec², {night:?}", night.mag_arcsec2());
+            assert!((21.7..22.0).contains(&night.mag_arcsec2()), "{place}: {}", night.mag_arcsec2());
+            // Most of it is airglow, then zodiacal light, then stars.
+            let share = |part: f64| part / night.sum_cd_m2();
+            assert!(share(night.airglow_cd_m2) > 0.45 && share(night.zodiacal_cd_m2) > 0.15);
+            assert!(night.zodiacal_cd_m2 > night.starlight_cd_m2 && night.twilight_cd_m2 < 1e-7);
+            assert_eq!(light.zenith_luminance_cd_m2, night.sum_cd_m2());
+            // Level ground has 0.5 to 1 mlx of it.
+            assert!((4e-4..1.5e-3).contains(&light.sky_illuminance_lx), "{}", light.sky_illuminance_lx);
+            let up = light.ambient.irradiance_lx(DVec3::Z);
+            assert!((up - light.sky_rgb_lx()).abs().max_element() < 0.02 * light.sky_illuminance_lx);
+        }
+    }
+
+    #[test]
+    fn each_part_can_be_switched_off_and_cities_switched_on() {
+        let night = [("observer.place", "Potsdam"), ("clock.time", "2012-04-20T23:30Z")];
+        let off =
+            [("night.airglow.enabled", "off"), ("night.zodiacal.enabled", "off"), ("night.milky_way.enabled", "off")];
+        let light = model(&[&night[..], &off].concat()).light().unwrap();
+        assert!(light.night.is_none() && light.zenith_luminance_cd_m2 < 1e-7);
+        let city = ("night.light_pollution.zenith_mcd_m2", "2.5");
+        let zenith = model(&[&night[..], &off, &[city]].concat()).light().unwrap().night.unwrap();
+        // Eyes are 2 m above the ground.
+        assert!((zenith.sum_cd_m2() / 2.5e-3 - 1.0).abs() < 1e-3);
+        // On a mountain it is what was asked for, too; from an aircraft it is less.
+        let mountain = [("observer.place", "Paranal"), ("clock.time", "2012-10-15T04:00Z"), city];
+        let at = |settings: &[(&str, &str)]| model(settings).light().unwrap().night.unwrap().pollution_cd_m2;
+        assert!((at(&mountain) / 2.5e-3 - 1.0).abs() < 1e-3);
+        assert!(at(&[&mountain[..], &[("observer.altitude_m", "10000")]].concat()) < 1e-3);
+    }
+
+    /// A missing file, one that is no picture, a picture that is no map: the Milky Way stands aside, the rest is there.
+    #[test]
+    fn a_broken_map_stands_aside() {
+        let folder = tempfile::tempdir().unwrap();
+        let (text, square) = (folder.path().join("text.jpg"), folder.path().join("square.png"));
+        std::fs::write(&text, "no picture").unwrap();
+        image::RgbImage::new(16, 16).save(&square).unwrap();
+        for file in [folder.path().join("missing.jpg"), text, square] {
+            let file = file.display().to_string();
+            let model = model(&[("clock.time", "2012-04-20T23:30Z"), ("night.milky_way.file", &file)]);
+            let night = model.night().unwrap().unwrap();
+            assert!(night.star_map.is_none(), "{file}");
+            let zenith = model.light().unwrap().night.unwrap();
+            assert!(zenith.starlight_cd_m2 == 0.0 && zenith.airglow_cd_m2 > 0.0);
+        }
+    }
+
+    /// The map's centre is where the Galaxy's is, and both Clouds are there.
+    #[test]
+    fn the_map_lies_right() {
+        let map = NightCache::default().star_map(Path::new(""), "").unwrap();
+        let at = |ra_deg: f64, dec_deg: f64| {
+            let (ra, dec) = (ra_deg.to_radians(), dec_deg.to_radians());
+            let direction = DVec3::new(dec.cos() * ra.cos(), dec.cos() * ra.sin(), dec.sin());
+            map.sample_s10(direction, 4).dot(DVec3::new(0.2126, 0.7152, 0.0722))
+        };
+        let (baade, clouds, beside) = (at(270.9, -30.0), [at(80.0, -69.0), at(13.2, -72.8)], at(60.0, -62.0));
+        println!("Baade's window {baade:.0}, clouds {clouds:.0?}, beside {beside:.0}, pole {:.0} S10", at(192.9, 27.1));
+        assert!(baade > 350.0 && clouds[0] > 3.0 * beside && clouds[1] > 2.0 * beside);
+        assert!((15.0..35.0).contains(&at(192.9, 27.1)));
+        // Coal Sack against its surroundings.
+        println!("Coal Sack {:.0}, Carina {:.0}", at(187.8, -63.7), at(161.0, -59.7));
+        assert!(at(187.8, -63.7) < 0.7 * at(161.0, -59.7));
     }
 }

@@ -25,7 +25,9 @@ mod tests;
 pub mod zodiacal;
 
 pub use airglow::Layer;
-pub use model::{NightGlow, NightParts, NightSettings, diffuse_transmission, four_from_rec709, polluted_share};
+pub use model::{
+    NightGlow, NightParts, NightSettings, diffuse_transmission, four_from_rec709, four_of_light, polluted_share,
+};
 pub use params::{AirglowParams, Lamp, LightPollutionParams, MilkyWayParams, ZodiacalParams};
 pub(crate) use pass::NightTextures;
 pub use pass::NightUniform;

@@ -58,6 +58,28 @@ pub fn four_from_rec709(rec709_from_four: &[DVec4; 3]) -> [DVec4; 3] {
     std::array::from_fn(|c| pseudo[c] + rest * (luminance[c] * per_luminance))
 }
 
+/// Four values of one colour, for lights that are far from the Sun's: of all that show it, those whose least value is largest, so that
+/// none is negative where that is possible.
+pub fn four_of_light(rec709_from_four: &[DVec4; 3], rgb: DVec3) -> DVec4 {
+    let columns = four_from_rec709(rec709_from_four);
+    let four = (0..3).fold(DVec4::ZERO, |sum, c| sum + columns[c] * rgb[c]);
+    // What can be added without being seen: the cross product of the rows in four dimensions.
+    let [r, g, b] = rec709_from_four;
+    let determinant = |[i, j, k]: [usize; 3]| {
+        r[i] * (g[j] * b[k] - g[k] * b[j]) - r[j] * (g[i] * b[k] - g[k] * b[i]) + r[k] * (g[i] * b[j] - g[j] * b[i])
+    };
+    let invisible =
+        DVec4::new(determinant([1, 2, 3]), -determinant([0, 2, 3]), determinant([0, 1, 3]), -determinant([0, 1, 2]))
+            .normalize_or_zero();
+    // The least of four straight lines is largest where two of them meet.
+    let meetings = (0..4).flat_map(|i| (0..i).map(move |j| (four[j] - four[i]) / (invisible[i] - invisible[j])));
+    let better = |best: DVec4, t: f64| {
+        let moved = four + invisible * t;
+        if moved.min_element() > best.min_element() { moved } else { best }
+    };
+    meetings.filter(|t| t.is_finite()).fold(four, better)
+}
+
 /// Share of an even light above the air that reaches a level below it on a line of sight by being scattered there.
 ///
 /// t(µ) − T, with the total transmission of a scattering layer above ground of albedo A, t = ((2 + 3µ) + (2 − 3µ) T) /
@@ -144,20 +166,18 @@ impl NightGlow {
     /// Everything but where the sky stands: `icrs_from_enu`, `ecliptic_from_enu` as the fields say.
     ///
     /// `zodiacal_table`: [`zodiacal::four_table`] at the atmosphere's wavelengths. `star_map`: `None` where it is off or broken.
+    /// `site_m`: altitude of the ground there, at which light of cities has its luminance.
     pub fn new(
         atmosphere: &Atmosphere,
         settings: &NightSettings,
         star_map: Option<Arc<StarMap>>,
         zodiacal_table: Arc<Vec<[f64; 4]>>,
         [icrs_from_enu, ecliptic_from_enu]: [DMat3; 2],
-        altitude_m: f64,
+        [altitude_m, site_m]: [f64; 2],
     ) -> Self {
         let medium = atmosphere.medium();
-        let four_from_rec709 = four_from_rec709(&atmosphere.rec709_from_four());
-        let four_of_xyz = |xyz: DVec3| {
-            let rgb = rec709_from_xyz() * xyz;
-            (0..3).fold(DVec4::ZERO, |sum, c| sum + four_from_rec709[c] * rgb[c]).to_array()
-        };
+        let rows = atmosphere.rec709_from_four();
+        let four_of_xyz = |xyz: DVec3| four_of_light(&rows, rec709_from_xyz() * xyz).to_array();
         let luminance = |four: [f64; 4]| atmosphere.xyz(four).y;
         let s10 = S10_CD_M2 / luminance([1.0; 4]).max(f64::MIN_POSITIVE);
 
@@ -172,12 +192,12 @@ impl NightGlow {
 
         let zodiacal = if settings.zodiacal.enabled { settings.zodiacal.brightness * s10 } else { 0.0 };
         let stars = settings.milky_way.brightness * S10_CD_M2;
-        let four_from_s10 = four_from_rec709.map(|four| (four * stars).to_array());
+        let four_from_s10 = four_from_rec709(&rows).map(|four| (four * stars).to_array());
 
         // The lamps' light, as bright as it is to be at the zenith of the ground.
         let lamps = four_of_xyz(pollution::xyz(settings.light_pollution.lamp));
         let lost = |altitude_m: f64| atmosphere.extended_transmittance(altitude_m, 1.0).map(|t| 1.0 - t);
-        let (from_ground, from_here) = (lost(0.0), lost(altitude_m.max(0.0)));
+        let (from_ground, from_here) = (lost(site_m), lost(altitude_m.max(0.0)));
         let at_zenith = luminance(std::array::from_fn(|k| lamps[k] * from_ground[k]));
         let wanted = pollution::zenith_cd_m2(&settings.light_pollution);
         // Where there is no air nothing scatters; above some of it less is lit.

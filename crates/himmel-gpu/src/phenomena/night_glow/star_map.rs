@@ -116,7 +116,7 @@ impl StarMap {
     }
 }
 
-/// Face and place on it, −1..=1 to the right and down, as cube textures have it   [webgpu]
+/// Face and place on it, −1..=1 to the right and down, as WebGPU's cube textures have it
 fn face_of(d: DVec3) -> (usize, f64, f64) {
     let d = if d.is_finite() { d } else { DVec3::X };
     let a = d.abs();
