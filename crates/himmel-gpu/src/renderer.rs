@@ -656,6 +656,8 @@ impl SkyRenderer {
             })
             .collect();
         let tiles = Tiles::new(view, up, horizon, &tile_lights);
+        let [icrs_from_view, ecliptic_from_view] =
+            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu));
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
         // An eclipse is not the same on both sides of the Sun.
         let sky_view = u32::from(within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none());
@@ -683,8 +685,8 @@ impl SkyRenderer {
             horizon: horizon as f32,
             horizon_mu: horizon.sin() as f32,
             rectangles: tiles.rectangles,
-            icrs_from_view: rows(frame.night.as_ref().map(|night| night.icrs_from_enu), view_from_enu),
-            ecliptic_from_view: rows(frame.night.as_ref().map(|night| night.ecliptic_from_enu), view_from_enu),
+            icrs_from_view,
+            ecliptic_from_view,
             lights,
             disc: DiscUniform::new(
                 frame.sun.direction.normalize_or(DVec3::Z),
@@ -700,12 +702,6 @@ impl SkyRenderer {
         };
         Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges })
     }
-}
-
-/// Rows of a rotation from east-north-up, for rays in view space.
-fn rows(from_enu: Option<glam::DMat3>, view_from_enu: glam::DMat3) -> [[f32; 4]; 3] {
-    let from_view = from_enu.unwrap_or_default() * view_from_enu.transpose();
-    std::array::from_fn(|i| from_view.row(i).extend(0.0).as_vec4().to_array())
 }
 
 fn uniform_buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {

@@ -216,12 +216,12 @@ mod tests {
         assert!(light.night.is_none() && light.zenith_luminance_cd_m2 < 1e-7);
         let city = ("night.light_pollution.zenith_mcd_m2", "2.5");
         let zenith = model(&[&night[..], &off, &[city]].concat()).light().unwrap().night.unwrap();
-        // Eyes are 2 m above the ground.
-        assert!((zenith.sum_cd_m2() / 2.5e-3 - 1.0).abs() < 1e-3);
+        // Eyes are 2 m above the ground, and most aerosols below a kilometre.
+        assert!((zenith.sum_cd_m2() / 2.5e-3 - 1.0).abs() < 5e-3);
         // On a mountain it is what was asked for, too; from an aircraft it is less.
         let mountain = [("observer.place", "Paranal"), ("clock.time", "2012-10-15T04:00Z"), city];
         let at = |settings: &[(&str, &str)]| model(settings).light().unwrap().night.unwrap().pollution_cd_m2;
-        assert!((at(&mountain) / 2.5e-3 - 1.0).abs() < 1e-3);
+        assert!((at(&mountain) / 2.5e-3 - 1.0).abs() < 5e-3);
         assert!(at(&[&mountain[..], &[("observer.altitude_m", "10000")]].concat()) < 1e-3);
     }
 

@@ -152,6 +152,8 @@ pub struct NightGlow {
     pub pollution: [f64; 4],
     /// τ′ of the vertical above the observer.
     pub depth: [f64; 4],
+    /// τ′ of the vertical below the observer over that above.
+    pub depth_below: [f64; 4],
     /// Mean radiance that falls on the air.
     pub diffuse: [f64; 4],
     /// The factor of [`diffuse_transmission`].
@@ -206,6 +208,8 @@ impl NightGlow {
 
         let albedo = atmosphere.sampled().ground_albedo;
         let depth = from_here.map(|lost| -(1.0 - lost).max(1e-30).ln());
+        let whole = lost(0.0).map(|lost| -(1.0 - lost).max(1e-30).ln());
+        let depth_below = std::array::from_fn(|k| (whole[k] / depth[k].max(1e-9) - 1.0).clamp(0.0, 1e9));
         let diffuse_factor = std::array::from_fn(|k| diffuse_factor(depth[k], albedo[k]));
         let mut night = Self {
             icrs_from_enu,
@@ -217,6 +221,7 @@ impl NightGlow {
             four_from_s10,
             pollution,
             depth,
+            depth_below,
             diffuse: [0.0; 4],
             diffuse_factor,
             ground: [0.0; 4],
@@ -284,13 +289,12 @@ impl NightGlow {
     /// What one sees in a direction (unit vector east-north-up) from an altitude; `level` of the star map, 0: the finest.
     pub fn parts(&self, atmosphere: &Atmosphere, altitude_m: f64, direction: DVec3, level: usize) -> NightParts {
         let radius_m = atmosphere.medium().bottom_radius_m;
-        let top_m = atmosphere.medium().top_altitude_m;
         let below = direction.z < geometry::horizon_cosine(radius_m, altitude_m);
         let [near, far] = self.airglow_path(radius_m, altitude_m, direction, below);
         let mut parts = NightParts::default();
         if below {
             // The ground, and the air before it, lit by half a sky and by the ground.
-            let through = self.through_to_ground(atmosphere, altitude_m.min(top_m), direction, altitude_m);
+            let through = self.through_to_ground(atmosphere, direction, altitude_m);
             parts.airglow = self.airglow.map(|light| light * near);
             parts.scattered = std::array::from_fn(|k| {
                 self.ground[k] * through[k] + 0.5 * (self.diffuse[k] + self.ground[k]) * (1.0 - through[k])
@@ -311,14 +315,17 @@ impl NightGlow {
         parts
     }
 
-    /// T′ between the eye (or where its ray enters the air) and the ground.
-    fn through_to_ground(&self, atmosphere: &Atmosphere, within_m: f64, direction: DVec3, altitude_m: f64) -> [f64; 4] {
-        let radius_m = atmosphere.medium().bottom_radius_m;
-        let nearest = (radius_m + altitude_m) * direction.x.hypot(direction.y);
-        let up = |altitude_m: f64| (1.0 - (nearest / (radius_m + altitude_m)).powi(2)).max(0.0).sqrt();
-        let whole = atmosphere.extended_transmittance(0.0, up(0.0));
-        let beyond = atmosphere.extended_transmittance(within_m, up(within_m));
-        std::array::from_fn(|k| (whole[k] / beyond[k].max(1e-30)).min(1.0))
+    /// T′ between the eye (or where its ray enters the air) and the ground: within the air the depths below and above the eye are
+    /// in the ratio of the vertical, which holds but for the last degrees above the horizon.
+    fn through_to_ground(&self, atmosphere: &Atmosphere, direction: DVec3, altitude_m: f64) -> [f64; 4] {
+        let medium = atmosphere.medium();
+        if altitude_m > medium.top_altitude_m {
+            let nearest =
+                (medium.bottom_radius_m + altitude_m) * direction.x.hypot(direction.y) / medium.bottom_radius_m;
+            return atmosphere.extended_transmittance(0.0, (1.0 - nearest * nearest).max(0.0).sqrt());
+        }
+        let above = atmosphere.extended_transmittance(altitude_m, -direction.z);
+        std::array::from_fn(|k| above[k].max(1e-30).powf(self.depth_below[k]))
     }
 
     /// Calls `f` with directions all around, their solid angles and what the night shows there: for sums over the sphere.

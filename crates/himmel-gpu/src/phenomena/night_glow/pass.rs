@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use glam::DMat3;
+
 use super::{NightGlow, StarMap, zodiacal};
 use crate::layout::gpu_struct;
 use crate::pass::{Bound, Slot, bind, layout};
@@ -21,6 +23,8 @@ gpu_struct! {
         pub pollution: [f32; 4],
         /// The air's depth of the vertical.
         pub depth: [f32; 4],
+        /// Depth below the camera over that above it.
+        pub depth_below: [f32; 4],
         /// Mean radiance on the air.
         pub diffuse: [f32; 4],
         /// The factor of its transmission.
@@ -35,14 +39,6 @@ gpu_struct! {
         pub unit_over_vertical: f32,
         /// Radiance of a texel of the zodiacal table.
         pub zodiacal: f32,
-        /// Texels of the star map to a radian.
-        pub texels_per_rad: f32,
-        /// Fills up.
-        pub padding_0: f32,
-        /// Fills up.
-        pub padding_1: f32,
-        /// Fills up.
-        pub padding_2: f32,
     }
 }
 
@@ -61,6 +57,7 @@ impl NightUniform {
             four_from_blue: blue,
             pollution: four(night.pollution),
             depth: four(night.depth),
+            depth_below: four(night.depth_below),
             diffuse: four(night.diffuse),
             diffuse_factor: four(night.diffuse_factor),
             ground: four(night.ground),
@@ -68,9 +65,18 @@ impl NightUniform {
             per_layer_unit: (1.0 / night.layer.unit_m) as f32,
             unit_over_vertical: night.layer.unit_over_vertical as f32,
             zodiacal: (night.zodiacal * STORED_OVER) as f32,
-            texels_per_rad: night.star_map.as_ref().map_or(1.0, |map| 0.5 * map.side() as f32),
-            ..Self::default()
         }
+    }
+}
+
+impl NightGlow {
+    /// Rows of ICRS and of the ecliptic from view space, as the view's uniform has them.
+    pub(crate) fn axes(&self, view_from_enu: DMat3) -> [[[f32; 4]; 3]; 2] {
+        let texels = self.star_map.as_ref().map_or(1.0, |map| 0.5 * f64::from(map.side()));
+        [(self.icrs_from_enu, texels), (self.ecliptic_from_enu, 0.0)].map(|(from_enu, w)| {
+            let from_view = from_enu * view_from_enu.transpose();
+            std::array::from_fn(|i| from_view.row(i).extend(w).as_vec4().to_array())
+        })
     }
 }
 
@@ -100,10 +106,9 @@ impl NightTextures {
             mapped_at_creation: false,
         });
         let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("linear, with levels"),
+            label: Some("linear, of one level"),
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
-            mipmap_filter: wgpu::MipmapFilterMode::Linear,
             ..Default::default()
         });
         let star_map = cube_view(&cube(device, 1, 1));
@@ -140,8 +145,8 @@ impl NightTextures {
             self.bytes = night.star_map.as_ref().map_or(0, |map| map.levels().iter().map(|l| 4 * l.len() as u64).sum());
         }
         if !same_table {
-            let [width, height] = zodiacal::SIZE;
-            let texture = table(device, zodiacal::SIZE.map(|side| side as u32));
+            let [width, height] = zodiacal::FOLDED;
+            let texture = table(device, zodiacal::FOLDED.map(|side| side as u32));
             let texels: Vec<u16> = night
                 .zodiacal_table
                 .iter()

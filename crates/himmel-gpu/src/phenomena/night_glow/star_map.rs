@@ -142,11 +142,12 @@ fn pack(rgb: Vec3) -> u32 {
     let rgb = rgb.clamp(Vec3::ZERO, Vec3::splat(65_408.0));
     let largest = rgb.max_element();
     // The exponent that gives the largest its nine bits; one more where rounding would overflow them.
-    let mut exponent = (largest.max(6e-8).log2().floor() as i32).max(-16) + 1;
-    if (largest * 2f32.powi(9 - exponent)).round() > 511.0 {
+    let mut exponent = ((largest.to_bits() >> 23) as i32 - 127).max(-16) + 1;
+    let scale = |exponent: i32| f32::from_bits(((136 - exponent) as u32) << 23);
+    if (largest * scale(exponent)).round() > 511.0 {
         exponent += 1;
     }
-    let [r, g, b] = (rgb * 2f32.powi(9 - exponent)).round().to_array().map(|value| value as u32);
+    let [r, g, b] = (rgb * scale(exponent)).round().to_array().map(|value| value as u32);
     ((exponent + 15) as u32) << 27 | b << 18 | g << 9 | r
 }
 
