@@ -10,7 +10,7 @@ use crate::columns::Columns;
 use crate::irradiance::{Directions, sky_irradiance};
 use crate::light::{Surface, planck_w_m2_sr_nm};
 use crate::medium::{Medium, Sampled};
-use crate::moments::{self, Moments, Quality};
+use crate::moments::{self, Moments, Quality, Scaled};
 use crate::params::{AirParams, AirQuality, GroundParams};
 use crate::preset::Preset;
 use crate::scene_light::SceneLight;
@@ -28,6 +28,7 @@ pub struct Atmosphere {
     moments: OnceLock<Moments<4>>,
     xyz_from_four: [DVec4; 3],
     scene_light: OnceLock<SceneLight>,
+    scaled: OnceLock<Scaled>,
     /// What the matrix was fitted to.
     fitted_to: Medium,
     /// What starlight at the four wavelengths is relative to.
@@ -62,6 +63,7 @@ impl Atmosphere {
             columns: OnceLock::new(),
             moments: OnceLock::new(),
             scene_light: OnceLock::new(),
+            scaled: OnceLock::new(),
             xyz_from_four,
             fitted_to: preset.medium.clone(),
             star_reference: air.wavelengths_nm().map(|nm| star_reference(preset, nm)),
@@ -145,6 +147,21 @@ impl Atmosphere {
             };
         }
         crate::single::sun_transmittance(&self.sampled(), self.columns(), altitude_m, mu)
+    }
+
+    /// The same for extended things: what aerosols scatter forward is not lost to them.
+    pub fn extended_transmittance(&self, altitude_m: f64, mu: f64) -> [f64; 4] {
+        let (radius_m, top_m) = (self.medium.bottom_radius_m, self.medium.top_altitude_m);
+        if mu < crate::geometry::horizon_cosine(radius_m, altitude_m) {
+            return [0.0; 4];
+        }
+        match enter(radius_m, top_m, &Ray { altitude_m, mu, mu_s: mu, nu: 1.0 }) {
+            Some(ray) => {
+                let scaled = self.scaled.get_or_init(|| Scaled::new(&self.sampled()));
+                scaled.transmittance(self.columns(), ray.altitude_m, ray.mu)
+            }
+            None => [1.0; 4],
+        }
     }
 
     /// What a ray through the air sees of light scattered once.

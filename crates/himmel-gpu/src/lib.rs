@@ -28,6 +28,7 @@ pub use output::bloom::{BloomFrame, BloomPass};
 pub use output::params::{Adaptation, Bloom, Exposure, OutputParams, Tonemap};
 pub use phenomena::air::build::{Pace, Rebuild};
 pub use phenomena::air::{AirSizes, ApplyAir, RayAnswer, RayMeter, ShadowMap, TablesKey, TablesReadBack};
+pub use phenomena::night_glow::NightGlow;
 pub use phenomena::planets::{PlanetDisc, PlanetsParams};
 pub use phenomena::stars::{Glare, Hider, PointBody, PointSpread, StarField, StarList, StarPoint, StarsParams};
 pub use phenomena::sun::Occluder;

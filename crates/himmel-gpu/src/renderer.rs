@@ -17,6 +17,7 @@ use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
 use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
@@ -63,6 +64,8 @@ pub struct FrameState {
     pub planets: Vec<PlanetDisc>,
     /// Discs that hide points; at most 4.
     pub hiders: Vec<Hider>,
+    /// The night's own glow; none by day, when nobody sees it.
+    pub night: Option<NightGlow>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
@@ -85,6 +88,7 @@ impl FrameState {
             bodies: Vec::new(),
             planets: Vec::new(),
             hiders: Vec::new(),
+            night: None,
             altitude_m,
             output,
             seconds: None,
@@ -155,6 +159,7 @@ pub struct SkyRenderer {
     pipelines: Pipelines,
     meter: Meter,
     air: Air,
+    night: NightTextures,
     default_quality: AirQuality,
     pace: Pace,
     frame_buffer: wgpu::Buffer,
@@ -174,6 +179,7 @@ pub struct SkyRenderer {
     lights: u32,
     tonemap: Tonemap,
     eclipsed: bool,
+    by_night: bool,
     occluded: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
@@ -241,12 +247,13 @@ impl SkyRenderer {
         let frame_buffer = uniform_buffer(device, "sky frame", size_of::<FrameUniform>() as u64);
         let sizes = Air::sizes_of(atmosphere.quality().unwrap_or(default_quality), atmosphere.steps());
         let air = Air::new(device, queue, sizes, atmosphere, &frame_buffer, meter.exposure_view())?;
-        let view_layout = layout(
-            device,
-            "sky view",
-            wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
-            &[(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)],
-        );
+        let view_slots: Vec<_> = [(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)]
+            .into_iter()
+            .chain(NightTextures::SLOTS)
+            .collect();
+        let view_layout =
+            layout(device, "sky view", wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE, &view_slots);
+        let night = NightTextures::new(device);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
             bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
@@ -271,7 +278,7 @@ impl SkyRenderer {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler);
+        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler, &night);
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
@@ -280,6 +287,7 @@ impl SkyRenderer {
             pipelines,
             meter,
             air,
+            night,
             default_quality,
             // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
             pace: Pace::Samples(if software { 5e5 } else { 1e7 }),
@@ -298,6 +306,7 @@ impl SkyRenderer {
             lights: 1,
             tonemap: OutputParams::default().tonemap,
             eclipsed: false,
+            by_night: false,
             occluded: false,
             marching: Vec::new(),
             tiles: Vec::new(),
@@ -351,7 +360,8 @@ impl SkyRenderer {
 
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
-        self.view_group = view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler);
+        self.view_group =
+            view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler, &self.night);
     }
 
     /// The target it draws to.
@@ -361,7 +371,7 @@ impl SkyRenderer {
 
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.air.bytes() + self.points.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
+        self.air.bytes() + self.night.bytes() + self.points.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
     /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
@@ -482,6 +492,7 @@ impl SkyRenderer {
         }
         let lights = frame.suns().count() as u32;
         stale |= self.air.reserve(&self.device, stations.len() as u32, lights);
+        stale |= frame.night.as_ref().is_some_and(|night| self.night.hold(&self.device, &self.queue, night));
         if stale {
             self.bind_views();
         }
@@ -497,6 +508,10 @@ impl SkyRenderer {
         }
         let marching: Vec<bool> = uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0).collect();
         self.prepare_points(encoder, frame, views, &marching, lights > 1)?;
+        if let Some(night) = &frame.night {
+            let uniform = NightUniform::new(night);
+            self.uploads.write(encoder, &self.night.buffer, 0, bytemuck::bytes_of(&uniform));
+        }
         self.record_build(encoder);
         self.uploads.finish();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -519,6 +534,7 @@ impl SkyRenderer {
         self.lights = lights;
         self.tonemap = frame.output.tonemap;
         self.eclipsed = frame.shadow.is_some();
+        self.by_night = frame.night.is_some();
         self.occluded = frame.occluder.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
@@ -681,6 +697,7 @@ impl SkyRenderer {
             several_lights: self.lights > 1,
             tonemap: self.tonemap,
             eclipsed: self.eclipsed,
+            night: self.by_night,
             occluded: self.occluded,
         }
     }
@@ -752,6 +769,8 @@ impl SkyRenderer {
             })
             .collect();
         let tiles = Tiles::new(view, up, horizon, &tile_lights);
+        let [icrs_from_view, ecliptic_from_view] =
+            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu));
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
         // An eclipse is not the same on both sides of the Sun.
         let sky_view = u32::from(within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none());
@@ -779,6 +798,8 @@ impl SkyRenderer {
             horizon: horizon as f32,
             horizon_mu: horizon.sin() as f32,
             rectangles: tiles.rectangles,
+            icrs_from_view,
+            ecliptic_from_view,
             lights,
             disc: DiscUniform::new(
                 frame.sun.direction.normalize_or(DVec3::Z),
@@ -811,10 +832,12 @@ fn view_group(
     buffer: &wgpu::Buffer,
     air: &Air,
     sampler: &wgpu::Sampler,
+    night: &NightTextures,
 ) -> wgpu::BindGroup {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
     let bound = [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
+    let bound: Vec<_> = bound.into_iter().chain(night.bound()).collect();
     bind(device, "sky view", layout, &bound)
 }
 
@@ -875,7 +898,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 16 * Tonemap::ALL.len()];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 32 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -890,6 +913,8 @@ struct Kind {
     eclipsed: bool,
     /// … and for its disc.
     occluded: bool,
+    /// Whether the night glows.
+    night: bool,
 }
 
 fn none_made() -> Made {
@@ -908,6 +933,7 @@ impl Pipelines {
                     several_lights: false,
                     tonemap: OutputParams::default().tonemap,
                     eclipsed: false,
+                    night: false,
                     occluded: false,
                 },
             );
@@ -919,7 +945,8 @@ impl Pipelines {
             + 2 * usize::from(kind.several_lights)
             + 4 * usize::from(kind.eclipsed)
             + 8 * usize::from(kind.occluded)
-            + 16 * kind.tonemap as usize;
+            + 16 * usize::from(kind.night)
+            + 32 * kind.tonemap as usize;
         self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
@@ -952,6 +979,7 @@ fn sky_pipeline(
         ("finished", on(target.output == Output::Display)),
         ("several_lights", on(kind.several_lights)),
         ("eclipses", on(kind.eclipsed)),
+        ("night", on(kind.night)),
         ("occluded", on(kind.occluded)),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),
         marching,

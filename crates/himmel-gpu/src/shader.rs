@@ -38,6 +38,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/planets/shade.wgsl", include_str!("phenomena/planets/shade.wgsl")),
     ("phenomena/stars/points.wgsl", include_str!("phenomena/stars/points.wgsl")),
     ("phenomena/stars/psf.wgsl", include_str!("phenomena/stars/psf.wgsl")),
+    ("phenomena/night_glow/night_glow.wgsl", include_str!("phenomena/night_glow/night_glow.wgsl")),
     ("phenomena/sun/bending.wgsl", include_str!("phenomena/sun/bending.wgsl")),
     ("phenomena/sun/disc.wgsl", include_str!("phenomena/sun/disc.wgsl")),
     ("phenomena/sun/eclipse.wgsl", include_str!("phenomena/sun/eclipse.wgsl")),

@@ -25,6 +25,7 @@ mod error;
 mod light;
 mod light_meter;
 mod model;
+mod night;
 mod observer;
 pub mod picture;
 pub mod place;
@@ -47,6 +48,7 @@ pub use himmel_gpu::{
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};
 pub use model::{SkyModel, SunPlace, direction_enu, visible_fraction};
+pub use night::NightZenith;
 pub use observer::Observer;
 pub use rays::{Seen, rays_on_gpu};
 pub use scene::{CameraParams, ClockParams, ObserverParams, ProjectionKind, Scene};

@@ -6,7 +6,7 @@ use glam::DVec3;
 use himmel_air::disc::Disc;
 use himmel_air::eclipse::Shadow;
 use himmel_air::refraction::Bending;
-use himmel_air::scene_light::Eclipse;
+use himmel_air::scene_light::{Ambient, Eclipse};
 use himmel_air::single::Ray;
 use himmel_air::{Atmosphere, Preset};
 use himmel_astro::query::Target;
@@ -18,6 +18,7 @@ use jiff::Timestamp;
 use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
 use crate::light::{AmbientLight, Light, LightSource, SunLight, pure_colour};
+use crate::night::NightCache;
 use crate::observer::Observer;
 use crate::points::{Moving, StarCache, hiders};
 use crate::scene::{ProjectionKind, Scene};
@@ -53,6 +54,7 @@ pub struct SkyModel {
     /// The bent sky of the altitude that was last asked for.
     bending: Mutex<Option<(f64, Arc<Bending>)>>,
     stars: StarCache,
+    night: NightCache,
 }
 
 /// The Sun's place for an observer.
@@ -102,6 +104,7 @@ impl SkyModel {
             ephemeris,
             bending,
             stars: StarCache::default(),
+            night: NightCache::default(),
         })
     }
 
@@ -128,6 +131,14 @@ impl SkyModel {
     /// Stands elsewhere.
     pub fn set_observer(&mut self, observer: Observer) {
         self.observer = observer;
+    }
+
+    pub(crate) fn ephemeris(&self) -> &dyn Ephemeris {
+        self.ephemeris.as_ref()
+    }
+
+    pub(crate) fn night_cache(&self) -> &NightCache {
+        &self.night
     }
 
     /// The clock.
@@ -301,7 +312,16 @@ impl SkyModel {
         let visible = shadow.as_ref().map_or([1.0; 4], |shadow| shadow.fraction(DVec3::ZERO, &limb));
         let ambient = air.scene_light().at(&air.sampled(), air.columns(), self.altitude_m(), star, eclipse);
         let luminous = |relative: [f64; 4]| air.xyz(relative.map(|value| value * irradiance)).y.max(0.0);
-        let colour = |relative: [f64; 4]| air.rec709(relative.map(|value| value * irradiance));
+        let twilight_cd_m2 = luminous(ambient.zenith_per_sr);
+        let night = self.night()?;
+        let night_zenith = night.as_ref().map(|night| self.night_zenith(night, twilight_cd_m2));
+        let glow = match &night {
+            Some(night) => Ambient::gathered(|add| night.all_around(air, self.altitude_m(), add)),
+            None => Ambient::default(),
+        };
+        let sum = |sun: [f64; 4], glow: [f64; 4]| std::array::from_fn(|k| sun[k] * irradiance + glow[k]);
+        let [down, up] = [sum(ambient.down, glow.down), sum(ambient.up, glow.up)];
+        let harmonics: [[f64; 4]; 9] = std::array::from_fn(|i| sum(ambient.harmonics[i], glow.harmonics[i]));
         let direct = SunLight {
             direction_enu: direction_enu(sun.azimuth_deg, sun.altitude_deg),
             azimuth_deg: sun.azimuth_deg,
@@ -317,11 +337,12 @@ impl SkyModel {
                 illuminance_lx: direct.illuminance_lx,
             }],
             sun: direct,
-            sky_illuminance_lx: luminous(ambient.down),
-            sky_colour: pure_colour(colour(ambient.down)),
-            ground_illuminance_lx: luminous(ambient.up),
-            zenith_luminance_cd_m2: luminous(ambient.zenith_per_sr),
-            ambient: AmbientLight { harmonics_cd_m2: ambient.harmonics.map(|four| colour(four).to_array()) },
+            sky_illuminance_lx: air.xyz(down).y.max(0.0),
+            sky_colour: pure_colour(air.rec709(down)),
+            ground_illuminance_lx: air.xyz(up).y.max(0.0),
+            zenith_luminance_cd_m2: night_zenith.map_or(twilight_cd_m2, |zenith| zenith.sum_cd_m2()),
+            night: night_zenith,
+            ambient: AmbientLight { harmonics_cd_m2: harmonics.map(|four| air.rec709(four).to_array()) },
             eclipse_fraction: luminous(visible) / luminous([1.0; 4]).max(f64::MIN_POSITIVE),
         })
     }
@@ -379,16 +400,18 @@ impl SkyModel {
             bodies: moving.points,
             planets: moving.discs,
             hiders: hiders(&observer)?,
+            night: self.night()?,
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),
             seconds: None,
         })
     }
 
-    /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground and the
-    /// Sun's disc. The f64 twin of the renderer's pixel.
+    /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground, the
+    /// Sun's disc, and the glow of the night. The f64 twin of the renderer's pixel.
     pub fn luminance(&self, direction: DVec3) -> Result<DVec3> {
-        let (sun, settings) = (self.frame()?.sun, &self.scene.sun);
+        let frame = self.frame()?;
+        let (sun, settings) = (frame.sun, &self.scene.sun);
         let direction = direction.normalize_or(DVec3::Z);
         let altitude_m = self.altitude_m().max(0.5);
         let nu = direction.dot(sun.direction).clamp(-1.0, 1.0);
@@ -409,7 +432,9 @@ impl SkyModel {
                 four[k] += through[k] * light[k];
             }
         }
-        Ok(self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k])))
+        let glow = frame.night.map(|night| night.parts(&self.atmosphere, altitude_m, direction, 0).sum());
+        let glow = glow.unwrap_or_default();
+        Ok(self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k] + glow[k])))
     }
 
     /// Azimuth and altitude that `camera.look` means, degrees.

@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten};
 use himmel_core::{choices, params};
+use himmel_gpu::phenomena::night_glow::NightSettings;
 use himmel_gpu::{OutputParams, PlanetsParams, StarsParams};
 use toml::de::{DeTable, DeValue};
 
@@ -100,6 +101,8 @@ pub struct Scene {
     pub stars: StarsParams,
     /// `[night.planets]`
     pub planets: PlanetsParams,
+    /// `[night.airglow]`, `[night.zodiacal]`, `[night.milky_way]`, `[night.light_pollution]`
+    pub night: NightSettings,
     /// `[output]`
     pub output: OutputParams,
     /// Folder that a preset's relative path starts from; not part of the file.
@@ -118,6 +121,7 @@ impl Default for Scene {
             ground: GroundParams::default(),
             stars: StarsParams::default(),
             planets: PlanetsParams::default(),
+            night: NightSettings::default(),
             output: OutputParams::default(),
             folder: PathBuf::new(),
         }
@@ -126,7 +130,7 @@ impl Default for Scene {
 
 impl Scene {
     /// Every table of parameters, in the order of the file.
-    pub fn tables(&self) -> [&dyn Params; 9] {
+    pub fn tables(&self) -> [&dyn Params; 13] {
         [
             &self.observer,
             &self.clock,
@@ -136,11 +140,15 @@ impl Scene {
             &self.ground,
             &self.stars,
             &self.planets,
+            &self.night.airglow,
+            &self.night.zodiacal,
+            &self.night.milky_way,
+            &self.night.light_pollution,
             &self.output,
         ]
     }
 
-    fn tables_mut(&mut self) -> [&mut dyn Params; 9] {
+    fn tables_mut(&mut self) -> [&mut dyn Params; 13] {
         [
             &mut self.observer,
             &mut self.clock,
@@ -150,6 +158,10 @@ impl Scene {
             &mut self.ground,
             &mut self.stars,
             &mut self.planets,
+            &mut self.night.airglow,
+            &mut self.night.zodiacal,
+            &mut self.night.milky_way,
+            &mut self.night.light_pollution,
             &mut self.output,
         ]
     }
