@@ -170,7 +170,8 @@ fn luminance_of(rgb: vec3f) -> f32 {
 
 // Finished colour of exposed light, as the target blends it.
 fn finished_colour(exposed: vec3f) -> vec3f {
-    let encoded = clamp(tonemap(frame.tonemap, clamp(exposed, vec3f(0.0), vec3f(1e30))), vec3f(0.0), vec3f(1.0));
+    let mapped = tonemap(frame.tonemap, clamp(exposed, vec3f(0.0), vec3f(1e30)), exposure_now());
+    let encoded = clamp(mapped, vec3f(0.0), vec3f(1.0));
     return select(encoded, srgb_decode(encoded), frame.encoding == 2u);
 }
 
