@@ -3,7 +3,12 @@
 mod air;
 mod allocation;
 mod apply_air;
+mod bloom;
+mod day;
 mod functions;
 mod host;
+mod night;
 mod pictures;
+mod saved;
+mod stars;
 mod sun;

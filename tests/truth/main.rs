@@ -1,5 +1,7 @@
 //! Truth: published values and independent computations, each with its source and a tolerance with its reason.
 
+mod vision;
+
 use himmel::Observer;
 use himmel_tests::model;
 

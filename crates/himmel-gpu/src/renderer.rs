@@ -6,17 +6,20 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 use himmel_air::eclipse::Shadow;
 use himmel_air::refraction::Bending;
-use himmel_air::{AirQuality, Atmosphere, sun};
+use himmel_air::{AirQuality, Atmosphere, Starlight, sun};
 use wgpu::util::StagingBelt;
 
 use crate::error::GpuError;
 use crate::frame::{FrameUniform, LightUniform, MOST_LIGHTS, ViewUniform};
-use crate::output::meter::{self, Meter};
+use crate::output::meter::{self, Meter, MeterUniform};
 use crate::output::params::{OutputParams, Tonemap};
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
-use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
+use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
+use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
+use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
 use crate::tiles::{Needs, TileLight, Tiles};
@@ -53,17 +56,43 @@ pub struct FrameState {
     pub shadow: Option<Shadow>,
     /// How the air bends what is seen.
     pub bending: Arc<Bending>,
+    /// The stars; `None`: there are none.
+    pub stars: Option<StarField>,
+    /// Points of light besides stars; at most 128.
+    pub bodies: Vec<PointBody>,
+    /// Planets among them whose discs may be seen; at most 8.
+    pub planets: Vec<PlanetDisc>,
+    /// Discs that hide points; at most 4.
+    pub hiders: Vec<Hider>,
+    /// The night's own glow; none by day, when nobody sees it.
+    pub night: Option<NightGlow>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
     pub output: OutputParams,
+    /// Real seconds since the last frame, for [`Adaptation`](crate::Adaptation); `None`: adapted at once.
+    pub seconds: Option<f64>,
 }
 
 impl FrameState {
     /// One sun, nothing before it, nothing bent.
     pub fn new(sun: SunState, altitude_m: f64, output: OutputParams) -> Self {
         let bending = Arc::new(Bending::none());
-        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, altitude_m, output }
+        Self {
+            sun,
+            other_suns: Vec::new(),
+            occluder: None,
+            shadow: None,
+            bending,
+            stars: None,
+            bodies: Vec::new(),
+            planets: Vec::new(),
+            hiders: Vec::new(),
+            night: None,
+            altitude_m,
+            output,
+            seconds: None,
+        }
     }
 
     /// All suns, the first one first.
@@ -75,6 +104,18 @@ impl FrameState {
         let count = self.suns().count();
         if count > MOST_LIGHTS {
             return Err(GpuError::View(format!("a frame has at most {MOST_LIGHTS} suns, got {count}")));
+        }
+        if self.planets.len() > MOST_DISCS || self.planets.iter().any(|planet| planet.body >= self.bodies.len()) {
+            return Err(GpuError::View(format!(
+                "a frame has at most {MOST_DISCS} planets, each of them among its points"
+            )));
+        }
+        if self.bodies.len() > MOST_BODIES || self.hiders.len() > MOST_HIDERS {
+            return Err(GpuError::View(format!(
+                "a frame has at most {MOST_BODIES} points besides stars and {MOST_HIDERS} discs before them, got {} and {}",
+                self.bodies.len(),
+                self.hiders.len()
+            )));
         }
         let finite = |sun: &SunState| {
             sun.direction.is_finite()
@@ -118,6 +159,7 @@ pub struct SkyRenderer {
     pipelines: Pipelines,
     meter: Meter,
     air: Air,
+    night: NightTextures,
     default_quality: AirQuality,
     pace: Pace,
     frame_buffer: wgpu::Buffer,
@@ -128,6 +170,8 @@ pub struct SkyRenderer {
     view_stride: u64,
     capacity: usize,
     prepared: usize,
+    points: Points,
+    starlight: Starlight,
     /// Made when air is first applied to a host's picture.
     apply: Option<Apply>,
     /// The prepared views, the number of lights, the tone mapper.
@@ -135,6 +179,7 @@ pub struct SkyRenderer {
     lights: u32,
     tonemap: Tonemap,
     eclipsed: bool,
+    by_night: bool,
     occluded: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
@@ -202,17 +247,19 @@ impl SkyRenderer {
         let frame_buffer = uniform_buffer(device, "sky frame", size_of::<FrameUniform>() as u64);
         let sizes = Air::sizes_of(atmosphere.quality().unwrap_or(default_quality), atmosphere.steps());
         let air = Air::new(device, queue, sizes, atmosphere, &frame_buffer, meter.exposure_view())?;
-        let view_layout = layout(
-            device,
-            "sky view",
-            wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
-            &[(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)],
-        );
+        let view_slots: Vec<_> = [(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)]
+            .into_iter()
+            .chain(NightTextures::SLOTS)
+            .collect();
+        let view_layout =
+            layout(device, "sky view", wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE, &view_slots);
+        let night = NightTextures::new(device);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
             bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
             immediate_size: 0,
         });
+        let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
         let pipelines = Pipelines {
             device: device.clone(),
             target: *target,
@@ -231,7 +278,7 @@ impl SkyRenderer {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler);
+        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler, &night);
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
@@ -240,6 +287,7 @@ impl SkyRenderer {
             pipelines,
             meter,
             air,
+            night,
             default_quality,
             // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
             pace: Pace::Samples(if software { 5e5 } else { 1e7 }),
@@ -251,11 +299,14 @@ impl SkyRenderer {
             view_stride,
             capacity: FIRST_CAPACITY,
             prepared: 0,
+            points,
+            starlight: atmosphere.starlight(),
             apply: None,
             views: Vec::new(),
             lights: 1,
             tonemap: OutputParams::default().tonemap,
             eclipsed: false,
+            by_night: false,
             occluded: false,
             marching: Vec::new(),
             tiles: Vec::new(),
@@ -301,13 +352,16 @@ impl SkyRenderer {
             limb_darkening,
             ..FrameUniform::default()
         };
+        self.starlight = atmosphere.starlight();
+        self.points.set_air(self.air.constants());
         self.bottom_radius_m = atmosphere.medium().bottom_radius_m;
         self.top_altitude_m = atmosphere.medium().top_altitude_m;
     }
 
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
-        self.view_group = view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler);
+        self.view_group =
+            view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler, &self.night);
     }
 
     /// The target it draws to.
@@ -317,7 +371,7 @@ impl SkyRenderer {
 
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.air.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
+        self.air.bytes() + self.night.bytes() + self.points.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
     /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
@@ -328,6 +382,35 @@ impl SkyRenderer {
     /// Ends a rebuild where it is: the sky keeps the orders of scattering that it shows.
     pub fn cancel_rebuild(&mut self) {
         self.air.cancel();
+    }
+
+    /// What the air's tables are made of: two of one key are the same to the last bit.
+    pub fn tables_key(&self) -> Result<TablesKey, GpuError> {
+        self.air.key(&self.device)
+    }
+
+    /// Reads the air's finished tables back, to be saved and given to [`load_tables`](Self::load_tables) another time. An
+    /// error while they are rebuilt, or after a rebuild that was cancelled. Call when the frames that filled them are
+    /// submitted.
+    pub fn save_tables(&self) -> Result<TablesReadBack, GpuError> {
+        self.air.save(&self.device, &self.queue)
+    }
+
+    /// Takes tables that were saved instead of rebuilding them. They must be whole and of the same
+    /// [`key`](Self::tables_key); on an error nothing has changed and the rebuild goes on.
+    pub fn load_tables(&mut self, bytes: &[u8]) -> Result<(), GpuError> {
+        self.air.load(&self.device, &self.queue, bytes)
+    }
+
+    /// How many airs keep their finished tables on the GPU when [`set_atmosphere`](Self::set_atmosphere) takes another: to
+    /// switch between prepared ones without a rebuild. None at first; the one least recently left goes first.
+    pub fn set_kept(&mut self, count: usize) {
+        self.air.set_kept(count);
+    }
+
+    /// Memory of the tables that are kept, in bytes; [`table_bytes`](Self::table_bytes) has it too.
+    pub fn kept_bytes(&self) -> u64 {
+        self.air.kept_bytes()
     }
 
     /// How much of a rebuild each frame does.
@@ -409,6 +492,7 @@ impl SkyRenderer {
         }
         let lights = frame.suns().count() as u32;
         stale |= self.air.reserve(&self.device, stations.len() as u32, lights);
+        stale |= frame.night.as_ref().is_some_and(|night| self.night.hold(&self.device, &self.queue, night));
         if stale {
             self.bind_views();
         }
@@ -416,9 +500,17 @@ impl SkyRenderer {
         let exposure = frame.output.exposure_for(self.target.output).factor();
         let uniform = self.frame_uniform(frame, exposure);
         self.uploads.write(encoder, &self.frame_buffer, 0, bytemuck::bytes_of(&uniform));
+        let metering = MeterUniform::new(&frame.output, frame.seconds);
+        self.uploads.write(encoder, &self.meter.uniform, 0, bytemuck::bytes_of(&metering));
         for (slot, uniform) in uniforms.iter().enumerate() {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
+        }
+        let marching: Vec<bool> = uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0).collect();
+        self.prepare_points(encoder, frame, views, &marching, lights > 1)?;
+        if let Some(night) = &frame.night {
+            let uniform = NightUniform::new(night);
+            self.uploads.write(encoder, &self.night.buffer, 0, bytemuck::bytes_of(&uniform));
         }
         self.record_build(encoder);
         self.uploads.finish();
@@ -442,18 +534,53 @@ impl SkyRenderer {
         self.lights = lights;
         self.tonemap = frame.output.tonemap;
         self.eclipsed = frame.shadow.is_some();
+        self.by_night = frame.night.is_some();
         self.occluded = frame.occluder.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
-        self.marching.clear();
-        self.marching.extend(uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0));
+        self.marching = marching;
         match exposure {
-            None => self.record_metering(encoder, stamps),
+            None => self.record_metering(encoder, stamps.as_deref_mut()),
             Some(factor) => self.meter.set(encoder, factor),
+        }
+        if self.points.any() {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("points"),
+                timestamp_writes: stamps.and_then(|stamps| stamps.next_compute("points")),
+            });
+            self.points.record(&mut pass, &|pass, view_index| {
+                pass.set_bind_group(0, &self.air.group, &[]);
+                pass.set_bind_group(1, &self.view_group, &[((view_index as u64 + 1) * self.view_stride) as u32]);
+            });
         }
         self.prepared = views.len();
         Ok(())
+    }
+
+    fn prepare_points(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameState,
+        views: &[View],
+        marching: &[bool],
+        several_lights: bool,
+    ) -> Result<(), GpuError> {
+        let scene = PointsScene {
+            stars: frame.stars.as_ref(),
+            bodies: &frame.bodies,
+            planets: &frame.planets,
+            hiders: &frame.hiders,
+            bending: &frame.bending,
+            altitude_m: frame.altitude_m,
+            several_lights,
+            eclipsed: frame.shadow.is_some(),
+            tonemap: frame.output.tonemap,
+        };
+        let Self { points, queue, starlight, uploads, .. } = self;
+        points.prepare(queue, &scene, starlight, views, marching, &mut |buffer, offset, bytes| {
+            uploads.write(encoder, buffer, offset, bytes);
+        })
     }
 
     /// Limb darkening of the Sun at the four wavelengths.
@@ -481,7 +608,7 @@ impl SkyRenderer {
     }
 
     /// Draws a view of the prepared frame into the host's pass, at infinite depth. Sets its own pipeline and bind
-    /// groups 0 and 1; touches nothing else. A view that was not prepared is left out with a warning.
+    /// groups 0 to 3; touches nothing else. A view that was not prepared is left out with a warning.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         if view_index >= self.prepared {
             tracing::warn!(view_index, prepared = self.prepared, "the sky was not prepared for this view");
@@ -500,6 +627,7 @@ impl SkyRenderer {
                 }
             }
         }
+        self.points.draw(pass, view_index);
     }
 
     /// Puts the air before a picture that the host has drawn from a prepared view: attenuates its colours (linear
@@ -569,6 +697,7 @@ impl SkyRenderer {
             several_lights: self.lights > 1,
             tonemap: self.tonemap,
             eclipsed: self.eclipsed,
+            night: self.by_night,
             occluded: self.occluded,
         }
     }
@@ -640,6 +769,8 @@ impl SkyRenderer {
             })
             .collect();
         let tiles = Tiles::new(view, up, horizon, &tile_lights);
+        let [icrs_from_view, ecliptic_from_view] =
+            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu));
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
         // An eclipse is not the same on both sides of the Sun.
         let sky_view = u32::from(within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none());
@@ -667,6 +798,8 @@ impl SkyRenderer {
             horizon: horizon as f32,
             horizon_mu: horizon.sin() as f32,
             rectangles: tiles.rectangles,
+            icrs_from_view,
+            ecliptic_from_view,
             lights,
             disc: DiscUniform::new(
                 frame.sun.direction.normalize_or(DVec3::Z),
@@ -699,10 +832,12 @@ fn view_group(
     buffer: &wgpu::Buffer,
     air: &Air,
     sampler: &wgpu::Sampler,
+    night: &NightTextures,
 ) -> wgpu::BindGroup {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
     let bound = [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
+    let bound: Vec<_> = bound.into_iter().chain(night.bound()).collect();
     bind(device, "sky view", layout, &bound)
 }
 
@@ -763,7 +898,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 16 * Tonemap::ALL.len()];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 32 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -778,6 +913,8 @@ struct Kind {
     eclipsed: bool,
     /// … and for its disc.
     occluded: bool,
+    /// Whether the night glows.
+    night: bool,
 }
 
 fn none_made() -> Made {
@@ -796,6 +933,7 @@ impl Pipelines {
                     several_lights: false,
                     tonemap: OutputParams::default().tonemap,
                     eclipsed: false,
+                    night: false,
                     occluded: false,
                 },
             );
@@ -807,7 +945,8 @@ impl Pipelines {
             + 2 * usize::from(kind.several_lights)
             + 4 * usize::from(kind.eclipsed)
             + 8 * usize::from(kind.occluded)
-            + 16 * kind.tonemap as usize;
+            + 16 * usize::from(kind.night)
+            + 32 * kind.tonemap as usize;
         self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
@@ -840,6 +979,7 @@ fn sky_pipeline(
         ("finished", on(target.output == Output::Display)),
         ("several_lights", on(kind.several_lights)),
         ("eclipses", on(kind.eclipsed)),
+        ("night", on(kind.night)),
         ("occluded", on(kind.occluded)),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),
         marching,

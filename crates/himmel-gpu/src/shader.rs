@@ -11,7 +11,9 @@ pub const FILES: &[(&str, &str)] = &[
     ("comparison/hillaire_tables.wgsl", include_str!("comparison/hillaire_tables.wgsl")),
     ("frame/frame.wgsl", include_str!("frame/frame.wgsl")),
     ("frame/sphere.wgsl", include_str!("frame/sphere.wgsl")),
+    ("output/bloom.wgsl", include_str!("output/bloom.wgsl")),
     ("output/dither.wgsl", include_str!("output/dither.wgsl")),
+    ("output/eye.wgsl", include_str!("output/eye.wgsl")),
     ("output/meter.wgsl", include_str!("output/meter.wgsl")),
     ("output/tonemap.wgsl", include_str!("output/tonemap.wgsl")),
     ("phenomena/air/aerial.wgsl", include_str!("phenomena/air/aerial.wgsl")),
@@ -32,6 +34,11 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/air/sky_view_refine.wgsl", include_str!("phenomena/air/sky_view_refine.wgsl")),
     ("phenomena/air/sky_view_table.wgsl", include_str!("phenomena/air/sky_view_table.wgsl")),
     ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
+    ("phenomena/planets/disc.wgsl", include_str!("phenomena/planets/disc.wgsl")),
+    ("phenomena/planets/shade.wgsl", include_str!("phenomena/planets/shade.wgsl")),
+    ("phenomena/stars/points.wgsl", include_str!("phenomena/stars/points.wgsl")),
+    ("phenomena/stars/psf.wgsl", include_str!("phenomena/stars/psf.wgsl")),
+    ("phenomena/night_glow/night_glow.wgsl", include_str!("phenomena/night_glow/night_glow.wgsl")),
     ("phenomena/sun/bending.wgsl", include_str!("phenomena/sun/bending.wgsl")),
     ("phenomena/sun/disc.wgsl", include_str!("phenomena/sun/disc.wgsl")),
     ("phenomena/sun/eclipse.wgsl", include_str!("phenomena/sun/eclipse.wgsl")),
@@ -42,6 +49,7 @@ pub const FILES: &[(&str, &str)] = &[
 /// The files that are entry points of pipelines.
 pub const ROOTS: &[&str] = &[
     "sky.wgsl",
+    "output/bloom.wgsl",
     "output/meter.wgsl",
     "comparison/empty.wgsl",
     "comparison/hillaire_sky.wgsl",
@@ -57,6 +65,8 @@ pub const ROOTS: &[&str] = &[
     "phenomena/air/query.wgsl",
     "phenomena/air/froxels.wgsl",
     "phenomena/air/apply.wgsl",
+    "phenomena/stars/points.wgsl",
+    "phenomena/planets/disc.wgsl",
 ];
 
 /// Why shader files could not be joined.

@@ -2,6 +2,7 @@
 // star map, stars, planets, Moon, air with Sun, clouds.
 
 //#include "phenomena/air/sky_view_table.wgsl"
+//#include "phenomena/night_glow/night_glow.wgsl"
 //#include "phenomena/sun/sun.wgsl"
 //#include "output/tonemap.wgsl"
 //#include "output/dither.wgsl"
@@ -25,6 +26,9 @@ override linear: bool = false;
 
 // Whether there may be more than one light. One alone is read in place: rasterisers on CPUs gather what a loop indexes.
 override several_lights: bool = false;
+
+// Whether the night's own glow is drawn.
+override night: bool = false;
 
 // Cells along the sides of a picture; the same in tiles.rs.
 const CELLS: vec2u = vec2u(64u, 72u);
@@ -103,6 +107,9 @@ fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, si
         for (var light = 1u; light < frame.light_count; light++) {
             sum += light_radiance(light, from_table[light], ray, dx, dy, mu, sin_theta, below);
         }
+    }
+    if night {
+        sum += night_radiance(ray, dx, mu, sin_theta, below, !marching);
     }
     return sum;
 }
@@ -203,7 +210,7 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
         return vec4f(clamp(luminance, vec3f(-frame.largest), vec3f(frame.largest)), 1.0);
     }
     // 1e30 keeps the tone mappers finite; negative values are colours outside Rec. 709.
-    var encoded = tonemap(frame.tonemap, clamp(luminance, vec3f(0.0), vec3f(1e30)));
+    var encoded = tonemap(frame.tonemap, clamp(luminance, vec3f(0.0), vec3f(1e30)), in.exposure);
     if frame.dither_levels > 0.0 {
         encoded += triangular_noise(vec2u(in.position.xy + view.pixel)) / frame.dither_levels;
     }

@@ -18,7 +18,8 @@ const TILES: [usize; 2] = [16, 18];
 const DIVISION: usize = 4;
 /// Cells along the sides of a picture; the same in `sky.wgsl`.
 const CELLS: [usize; 2] = [TILES[0] * DIVISION, TILES[1] * DIVISION];
-/// A disc smaller than a pixel is widened to one: room for it, as a share of a tile's reach. Enough from 40 pixels on.
+/// Room for what reaches out of its cell into pixels beside it, as a share of a tile's reach. Enough from 40 pixels on:
+/// a disc smaller than a pixel is widened to one; the horizon is mixed over a pixel.
 const WIDENED: f64 = 0.4;
 
 /// Angle to a light up to which its aureole is drawn, rad; the same in `sky_view_table.wgsl`.
@@ -120,7 +121,7 @@ struct Around<'a> {
     up: DVec3,
     horizon: f64,
     lights: &'a [TileLight],
-    /// Room for discs that are widened to a pixel, rad.
+    /// Room for what is widened to a pixel, rad.
     widened: f64,
 }
 
@@ -164,7 +165,7 @@ impl Around<'_> {
         }
         let elevation = middle.dot(self.up).clamp(-1.0, 1.0).asin();
         Needs {
-            horizon: (elevation - self.horizon).abs() <= reach,
+            horizon: (elevation - self.horizon).abs() <= reach + self.widened,
             aureole: self.lights.iter().any(|light| near(light.direction, AUREOLE_TO + reach)),
             disc: false,
         }

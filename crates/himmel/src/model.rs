@@ -6,7 +6,7 @@ use glam::DVec3;
 use himmel_air::disc::Disc;
 use himmel_air::eclipse::Shadow;
 use himmel_air::refraction::Bending;
-use himmel_air::scene_light::Eclipse;
+use himmel_air::scene_light::{Ambient, Eclipse};
 use himmel_air::single::Ray;
 use himmel_air::{Atmosphere, Preset};
 use himmel_astro::query::Target;
@@ -18,7 +18,9 @@ use jiff::Timestamp;
 use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
 use crate::light::{AmbientLight, Light, LightSource, SunLight, pure_colour};
+use crate::night::NightCache;
 use crate::observer::Observer;
+use crate::points::{Moving, StarCache, hiders};
 use crate::scene::{ProjectionKind, Scene};
 
 /// Eyes above the ground, m.
@@ -51,6 +53,8 @@ pub struct SkyModel {
     ephemeris: Box<dyn Ephemeris + Send + Sync>,
     /// The bent sky of the altitude that was last asked for.
     bending: Mutex<Option<(f64, Arc<Bending>)>>,
+    stars: StarCache,
+    night: NightCache,
 }
 
 /// The Sun's place for an observer.
@@ -91,7 +95,17 @@ impl SkyModel {
             }
         };
         let bending = Mutex::new(None);
-        Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris, bending })
+        Ok(Self {
+            scene: scene.clone(),
+            preset,
+            atmosphere,
+            observer,
+            clock,
+            ephemeris,
+            bending,
+            stars: StarCache::default(),
+            night: NightCache::default(),
+        })
     }
 
     /// The settings as they were given; the clock may have run, and the observer moved, since.
@@ -117,6 +131,14 @@ impl SkyModel {
     /// Stands elsewhere.
     pub fn set_observer(&mut self, observer: Observer) {
         self.observer = observer;
+    }
+
+    pub(crate) fn ephemeris(&self) -> &dyn Ephemeris {
+        self.ephemeris.as_ref()
+    }
+
+    pub(crate) fn night_cache(&self) -> &NightCache {
+        &self.night
     }
 
     /// The clock.
@@ -290,7 +312,16 @@ impl SkyModel {
         let visible = shadow.as_ref().map_or([1.0; 4], |shadow| shadow.fraction(DVec3::ZERO, &limb));
         let ambient = air.scene_light().at(&air.sampled(), air.columns(), self.altitude_m(), star, eclipse);
         let luminous = |relative: [f64; 4]| air.xyz(relative.map(|value| value * irradiance)).y.max(0.0);
-        let colour = |relative: [f64; 4]| air.rec709(relative.map(|value| value * irradiance));
+        let twilight_cd_m2 = luminous(ambient.zenith_per_sr);
+        let night = self.night()?;
+        let night_zenith = night.as_ref().map(|night| self.night_zenith(night, twilight_cd_m2));
+        let glow = match &night {
+            Some(night) => Ambient::gathered(|add| night.all_around(air, self.altitude_m(), add)),
+            None => Ambient::default(),
+        };
+        let sum = |sun: [f64; 4], glow: [f64; 4]| std::array::from_fn(|k| sun[k] * irradiance + glow[k]);
+        let [down, up] = [sum(ambient.down, glow.down), sum(ambient.up, glow.up)];
+        let harmonics: [[f64; 4]; 9] = std::array::from_fn(|i| sum(ambient.harmonics[i], glow.harmonics[i]));
         let direct = SunLight {
             direction_enu: direction_enu(sun.azimuth_deg, sun.altitude_deg),
             azimuth_deg: sun.azimuth_deg,
@@ -306,11 +337,12 @@ impl SkyModel {
                 illuminance_lx: direct.illuminance_lx,
             }],
             sun: direct,
-            sky_illuminance_lx: luminous(ambient.down),
-            sky_colour: pure_colour(colour(ambient.down)),
-            ground_illuminance_lx: luminous(ambient.up),
-            zenith_luminance_cd_m2: luminous(ambient.zenith_per_sr),
-            ambient: AmbientLight { harmonics_cd_m2: ambient.harmonics.map(|four| colour(four).to_array()) },
+            sky_illuminance_lx: air.xyz(down).y.max(0.0),
+            sky_colour: pure_colour(air.rec709(down)),
+            ground_illuminance_lx: air.xyz(up).y.max(0.0),
+            zenith_luminance_cd_m2: night_zenith.map_or(twilight_cd_m2, |zenith| zenith.sum_cd_m2()),
+            night: night_zenith,
+            ambient: AmbientLight { harmonics_cd_m2: harmonics.map(|four| air.rec709(four).to_array()) },
             eclipse_fraction: luminous(visible) / luminous([1.0; 4]).max(f64::MIN_POSITIVE),
         })
     }
@@ -337,10 +369,20 @@ impl SkyModel {
             .to_degrees()
     }
 
+    /// When and where one looks.
+    fn standing(&self) -> Result<(Instant, Place)> {
+        let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
+        let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
+        Ok((instant, place))
+    }
+
     /// What the renderer needs for a frame.
     pub fn frame(&self) -> Result<FrameState> {
         let sun = self.sun()?;
         let settings = &self.scene.sun;
+        let (instant, place) = self.standing()?;
+        let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
+        let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &observer)?;
         Ok(FrameState {
             sun: SunState {
                 direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
@@ -354,15 +396,22 @@ impl SkyModel {
             occluder: self.occluder()?,
             shadow: self.shadow()?,
             bending: self.bending(),
+            stars: self.stars.field(&self.scene, &observer, self.clock.unix_seconds()),
+            bodies: moving.points,
+            planets: moving.discs,
+            hiders: hiders(&observer)?,
+            night: self.night()?,
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),
+            seconds: None,
         })
     }
 
-    /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground and the
-    /// Sun's disc. The f64 twin of the renderer's pixel.
+    /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground, the
+    /// Sun's disc, and the glow of the night. The f64 twin of the renderer's pixel.
     pub fn luminance(&self, direction: DVec3) -> Result<DVec3> {
-        let (sun, settings) = (self.frame()?.sun, &self.scene.sun);
+        let frame = self.frame()?;
+        let (sun, settings) = (frame.sun, &self.scene.sun);
         let direction = direction.normalize_or(DVec3::Z);
         let altitude_m = self.altitude_m().max(0.5);
         let nu = direction.dot(sun.direction).clamp(-1.0, 1.0);
@@ -383,7 +432,9 @@ impl SkyModel {
                 four[k] += through[k] * light[k];
             }
         }
-        Ok(self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k])))
+        let glow = frame.night.map(|night| night.parts(&self.atmosphere, altitude_m, direction, 0).sum());
+        let glow = glow.unwrap_or_default();
+        Ok(self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k] + glow[k])))
     }
 
     /// Azimuth and altitude that `camera.look` means, degrees.
@@ -410,15 +461,18 @@ impl SkyModel {
         let (azimuth, altitude, fov) =
             (azimuth_deg.to_radians(), altitude_deg.to_radians(), camera.fov_deg.to_radians());
         let aspect = f64::from(self.scene.output.width_px) / f64::from(self.scene.output.height_px);
-        match camera.projection {
-            ProjectionKind::Perspective if camera.fov_deg >= 179.5 => Err(Error::Camera(format!(
-                "a perspective camera sees less than 179.5°, got {}°; use --projection fisheye",
-                camera.fov_deg
-            ))),
-            ProjectionKind::Perspective => Ok(View::looking(azimuth, altitude, fov, aspect)),
-            ProjectionKind::Fisheye => Ok(View::with_projection(azimuth, altitude, Projection::Fisheye(fov), aspect)),
-            ProjectionKind::Equirect => Ok(View::with_projection(azimuth, 0.0, Projection::Equirectangular, aspect)),
-        }
+        let view = match camera.projection {
+            ProjectionKind::Perspective if camera.fov_deg >= 179.5 => {
+                return Err(Error::Camera(format!(
+                    "a perspective camera sees less than 179.5°, got {}°; use --projection fisheye",
+                    camera.fov_deg
+                )));
+            }
+            ProjectionKind::Perspective => View::looking(azimuth, altitude, fov, aspect),
+            ProjectionKind::Fisheye => View::with_projection(azimuth, altitude, Projection::Fisheye(fov), aspect),
+            ProjectionKind::Equirect => View::with_projection(azimuth, 0.0, Projection::Equirectangular, aspect),
+        };
+        Ok(View { rows_px: self.scene.output.height_px, ..view })
     }
 
     /// The instant as the place's clock shows it.

@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten};
 use himmel_core::{choices, params};
-use himmel_gpu::OutputParams;
+use himmel_gpu::phenomena::night_glow::NightSettings;
+use himmel_gpu::{OutputParams, PlanetsParams, StarsParams};
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Error, Result};
@@ -96,6 +97,12 @@ pub struct Scene {
     pub air: AirParams,
     /// `[ground]`
     pub ground: GroundParams,
+    /// `[night.stars]`
+    pub stars: StarsParams,
+    /// `[night.planets]`
+    pub planets: PlanetsParams,
+    /// `[night.airglow]`, `[night.zodiacal]`, `[night.milky_way]`, `[night.light_pollution]`
+    pub night: NightSettings,
     /// `[output]`
     pub output: OutputParams,
     /// Folder that a preset's relative path starts from; not part of the file.
@@ -112,6 +119,9 @@ impl Default for Scene {
             sun: SunParams::default(),
             air: AirParams::default(),
             ground: GroundParams::default(),
+            stars: StarsParams::default(),
+            planets: PlanetsParams::default(),
+            night: NightSettings::default(),
             output: OutputParams::default(),
             folder: PathBuf::new(),
         }
@@ -120,11 +130,25 @@ impl Default for Scene {
 
 impl Scene {
     /// Every table of parameters, in the order of the file.
-    pub fn tables(&self) -> [&dyn Params; 7] {
-        [&self.observer, &self.clock, &self.camera, &self.sun, &self.air, &self.ground, &self.output]
+    pub fn tables(&self) -> [&dyn Params; 13] {
+        [
+            &self.observer,
+            &self.clock,
+            &self.camera,
+            &self.sun,
+            &self.air,
+            &self.ground,
+            &self.stars,
+            &self.planets,
+            &self.night.airglow,
+            &self.night.zodiacal,
+            &self.night.milky_way,
+            &self.night.light_pollution,
+            &self.output,
+        ]
     }
 
-    fn tables_mut(&mut self) -> [&mut dyn Params; 7] {
+    fn tables_mut(&mut self) -> [&mut dyn Params; 13] {
         [
             &mut self.observer,
             &mut self.clock,
@@ -132,6 +156,12 @@ impl Scene {
             &mut self.sun,
             &mut self.air,
             &mut self.ground,
+            &mut self.stars,
+            &mut self.planets,
+            &mut self.night.airglow,
+            &mut self.night.zodiacal,
+            &mut self.night.milky_way,
+            &mut self.night.light_pollution,
             &mut self.output,
         ]
     }

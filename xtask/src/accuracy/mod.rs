@@ -2,6 +2,7 @@
 
 mod class;
 mod colour;
+mod day;
 mod elevation;
 mod moments;
 mod reference;
@@ -18,6 +19,8 @@ cargo xtask accuracy moments [--quick] [--output FILE.md]     the moment solver 
 cargo xtask accuracy gpu [--quick] [--output FILE.md]         the renderer on the GPU, and Hillaire 2020, against the tracer
 cargo xtask accuracy elevation [--quick] [--output FILE.svg]  their errors over the Sun's elevation, as a plot
 cargo xtask accuracy colour [--quick] [--output FILE.md]      four wavelengths and sharp channels against full spectra
+cargo xtask accuracy day [--quick] [--output FILE.md]         a day's illuminance against a published fit; day.svg beside FILE.md
+cargo xtask accuracy day-pictures --output FOLDER             the day's pictures, and a night with and without the Moon
 cargo xtask accuracy grid [--quick]                           questions for `himmel radiance`, a grid over all geometries
 moments, gpu: --class day,horizon,94,96,30km,space,haze,mars,titan,earth   only these, in this order
 moments, gpu, elevation: --points N   lines of sight of a class (60; 20 for each elevation)
@@ -74,6 +77,11 @@ pub fn run(args: &[String]) -> Result<(), String> {
         print!("{}", grid(work));
         return Ok(());
     }
+    if what.as_deref() == Some("day-pictures") {
+        let folder = output.ok_or("day-pictures takes --output FOLDER")?;
+        print!("{}", day::pictures(std::path::Path::new(&folder))?);
+        return Ok(());
+    }
     // Quick answers have a quick one's noise: they are kept beside the others.
     let kept =
         kept.unwrap_or_else(|| PathBuf::from(if work.quick { "target/accuracy/quick" } else { "target/accuracy" }));
@@ -83,6 +91,7 @@ pub fn run(args: &[String]) -> Result<(), String> {
         Some(path) => std::fs::write(path, text).map_err(|error| format!("cannot write {path}: {error}")),
         None => Ok(()),
     };
+    let beside = output.as_ref().and_then(|path| std::path::Path::new(path).parent());
     let started = std::time::Instant::now();
     let mut text = match what.as_deref() {
         Some("reference") => reference::table(work)?,
@@ -95,6 +104,7 @@ pub fn run(args: &[String]) -> Result<(), String> {
         }
         Some("elevation") => return elevation::plot(&choice(20), &open()?, output.as_deref()),
         Some("colour") => colour::table(work)?,
+        Some("day") => day::table(work, beside)?,
         _ => return Err(USAGE.into()),
     };
     let _ = writeln!(

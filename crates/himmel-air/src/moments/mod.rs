@@ -40,6 +40,7 @@ mod peak;
 mod prepared;
 mod quality;
 mod rays;
+mod scaled;
 mod table;
 #[cfg(test)]
 mod tests;
@@ -47,6 +48,7 @@ mod tests;
 pub use frame::{Irradiance, irradiance, radiance, radiance_to, smooth_radiance};
 pub use prepared::{Aerosol, Prepared, Species};
 pub use quality::Quality;
+pub use scaled::Scaled;
 pub use table::sun_columns;
 
 use crate::columns::Columns;

@@ -122,8 +122,7 @@ impl Stations {
             return false;
         }
         self.capacity = wanted.next_power_of_two();
-        [self.cells, self.rays, self.sky_view] =
-            textures(device, sizes, stations.next_power_of_two(), self.capacity);
+        [self.cells, self.rays, self.sky_view] = textures(device, sizes, stations.next_power_of_two(), self.capacity);
         self.groups = None;
         true
     }
