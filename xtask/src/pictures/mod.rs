@@ -136,7 +136,8 @@ fn trace(model: &SkyModel, file: &Path, name: &str, noise: f64) -> Result<Refere
     Ok(traced)
 }
 
-/// Median luminance of ours over the tracer's, pixel by pixel without the Sun's disc, and the ratio of the sums of R, G, B.
+/// Median luminance of ours over the tracer's, pixel by pixel without those about the Sun's disc, and the ratio of the sums
+/// of R, G, B.
 fn difference(model: &SkyModel, gpu: &Gpu, traced: &ReferencePicture) -> Result<String, String> {
     let mut scene = model.scene().clone();
     scene.output.exposure = Some(Exposure::None);
@@ -145,11 +146,24 @@ fn difference(model: &SkyModel, gpu: &Gpu, traced: &ReferencePicture) -> Result<
     let Pixels::Radiance(ours) = ours.pixels else { return Ok(String::new()) };
     let theirs = traced.rgb_cd_m2();
     let luminance = |rgb: [f64; 3]| 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+    let (view, sun) =
+        (model.view().map_err(|error| error.to_string())?, model.frame().map_err(|error| error.to_string())?.sun);
+    let (width, height) = traced.size();
+    // Discs are smoothed over a pixel in other ways.
+    let pixel_rad = scene.camera.fov_deg.to_radians() / f64::from(height);
+    let far = |index: usize| {
+        let (x, y) = ((index as u32 % width) as f64 + 0.5, (index as u32 / width) as f64 + 0.5);
+        let direction = view.direction([2.0 * x / f64::from(width) - 1.0, 1.0 - 2.0 * y / f64::from(height)]);
+        direction
+            .is_some_and(|direction| direction.angle_between(sun.disc_direction) > sun.radius_rad + 2.0 * pixel_rad)
+    };
     let mut pairs: Vec<(f64, [f64; 3], [f64; 3])> = ours
         .chunks_exact(3)
         .zip(&theirs)
-        .map(|(a, b)| ([0, 1, 2].map(|k| f64::from(a[k])), b.to_array()))
-        .filter(|(a, b)| luminance(*b) > 0.0 && luminance(*a).max(luminance(*b)) < 1e6)
+        .enumerate()
+        .filter(|(index, _)| far(*index))
+        .map(|(_, (a, b))| ([0, 1, 2].map(|k| f64::from(a[k])), b.to_array()))
+        .filter(|(_, b)| luminance(*b) > 0.0)
         .map(|(a, b)| (luminance(a) / luminance(b), a, b))
         .collect();
     pairs.sort_by(|a, b| a.0.total_cmp(&b.0));
