@@ -57,6 +57,7 @@ pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
     ("phenomena/air/build/resolve.wgsl", crate::phenomena::air::build::BuildUniform::LAYOUT),
     ("phenomena/air/apply.wgsl", crate::phenomena::air::ApplyUniform::LAYOUT),
     ("phenomena/air/query.wgsl", crate::phenomena::air::Query::LAYOUT),
+    ("phenomena/overlay/lines.wgsl", crate::phenomena::overlay::LineSegment::LAYOUT),
     ("phenomena/planets/disc.wgsl", crate::phenomena::planets::PlanetUniform::LAYOUT),
     ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointLight::LAYOUT),
     ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointsUniform::LAYOUT),

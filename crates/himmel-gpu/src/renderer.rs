@@ -17,6 +17,7 @@ use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::overlay::{Lines, Overlay};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
 use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
@@ -63,6 +64,8 @@ pub struct FrameState {
     pub planets: Vec<PlanetDisc>,
     /// Discs that hide points; at most 4.
     pub hiders: Vec<Hider>,
+    /// Lines over the sky.
+    pub overlay: Option<Overlay>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
@@ -83,6 +86,7 @@ impl FrameState {
             bodies: Vec::new(),
             planets: Vec::new(),
             hiders: Vec::new(),
+            overlay: None,
             altitude_m,
             output,
         }
@@ -161,6 +165,7 @@ pub struct SkyRenderer {
     capacity: usize,
     prepared: usize,
     points: Points,
+    lines: Lines,
     starlight: Starlight,
     /// Made when air is first applied to a host's picture.
     apply: Option<Apply>,
@@ -248,6 +253,7 @@ impl SkyRenderer {
             immediate_size: 0,
         });
         let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
+        let lines = Lines::new(device, target, [&air.layout, &view_layout])?;
         let pipelines = Pipelines {
             device: device.clone(),
             target: *target,
@@ -287,6 +293,7 @@ impl SkyRenderer {
             capacity: FIRST_CAPACITY,
             prepared: 0,
             points,
+            lines,
             starlight: atmosphere.starlight(),
             apply: None,
             views: Vec::new(),
@@ -525,10 +532,10 @@ impl SkyRenderer {
             eclipsed: frame.shadow.is_some(),
             tonemap: frame.output.tonemap,
         };
-        let Self { points, queue, starlight, uploads, .. } = self;
-        points.prepare(queue, &scene, starlight, views, marching, &mut |buffer, offset, bytes| {
-            uploads.write(encoder, buffer, offset, bytes);
-        })
+        let Self { points, lines, queue, starlight, uploads, .. } = self;
+        let mut write = |buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]| uploads.write(encoder, buffer, offset, bytes);
+        points.prepare(queue, &scene, starlight, views, marching, &mut write)?;
+        lines.prepare(queue, frame.overlay.as_ref(), points.lift(), views, &mut write)
     }
 
     /// Limb darkening of the Sun at the four wavelengths.
@@ -576,6 +583,7 @@ impl SkyRenderer {
             }
         }
         self.points.draw(pass, view_index);
+        self.lines.draw(pass, view_index);
     }
 
     /// Puts the air before a picture that the host has drawn from a prepared view: attenuates its colours (linear

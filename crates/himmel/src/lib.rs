@@ -39,7 +39,7 @@ pub use error::{Error, Result};
 pub use himmel_air::{AirParams, AirQuality, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
-    AdapterReport, AirSizes, ApplyAir, DepthDirection, Exposure, Glare, Gpu, GpuError, Occluder, Output, OutputParams, Pace,
+    AdapterReport, AirSizes, ApplyAir, DepthDirection, Exposure, Glare, Gpu, GpuError, Occluder, Output, OutputParams, OverlayParams, Pace,
     PassTimes, Picture, Pixels, PlanetsParams, PointSpread, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, StarsParams, Still, Target, Tonemap, View,
 };
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten};
 use himmel_core::{choices, params};
-use himmel_gpu::{OutputParams, PlanetsParams, StarsParams};
+use himmel_gpu::{OutputParams, OverlayParams, PlanetsParams, StarsParams};
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Error, Result};
@@ -100,6 +100,8 @@ pub struct Scene {
     pub stars: StarsParams,
     /// `[night.planets]`
     pub planets: PlanetsParams,
+    /// `[overlay]`
+    pub overlay: OverlayParams,
     /// `[output]`
     pub output: OutputParams,
     /// Folder that a preset's relative path starts from; not part of the file.
@@ -118,6 +120,7 @@ impl Default for Scene {
             ground: GroundParams::default(),
             stars: StarsParams::default(),
             planets: PlanetsParams::default(),
+            overlay: OverlayParams::default(),
             output: OutputParams::default(),
             folder: PathBuf::new(),
         }
@@ -126,7 +129,7 @@ impl Default for Scene {
 
 impl Scene {
     /// Every table of parameters, in the order of the file.
-    pub fn tables(&self) -> [&dyn Params; 9] {
+    pub fn tables(&self) -> [&dyn Params; 10] {
         [
             &self.observer,
             &self.clock,
@@ -136,11 +139,12 @@ impl Scene {
             &self.ground,
             &self.stars,
             &self.planets,
+            &self.overlay,
             &self.output,
         ]
     }
 
-    fn tables_mut(&mut self) -> [&mut dyn Params; 9] {
+    fn tables_mut(&mut self) -> [&mut dyn Params; 10] {
         [
             &mut self.observer,
             &mut self.clock,
@@ -150,6 +154,7 @@ impl Scene {
             &mut self.ground,
             &mut self.stars,
             &mut self.planets,
+            &mut self.overlay,
             &mut self.output,
         ]
     }

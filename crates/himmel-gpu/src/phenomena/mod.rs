@@ -2,6 +2,7 @@
 
 pub mod air;
 pub mod ground;
+pub mod overlay;
 pub mod planets;
 pub mod stars;
 pub mod sun;
