@@ -253,7 +253,7 @@ impl SkyRenderer {
             immediate_size: 0,
         });
         let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
-        let lines = Lines::new(device, target, [&air.layout, &view_layout])?;
+        let lines = Lines::new(device, target, [&air.layout, &view_layout]);
         let pipelines = Pipelines {
             device: device.clone(),
             target: *target,

@@ -4,9 +4,9 @@
 
 struct LineSegment {
     // Ends: unit vectors; colour, linear Rec. 709 of white.
-    from: vec3f,
+    start: vec3f,
     red: f32,
-    to: vec3f,
+    end: vec3f,
     green: f32,
     blue: f32,
     padding_0: f32,
@@ -38,8 +38,8 @@ fn line_direction(place: vec3f) -> vec3f {
 @vertex
 fn line_vertex(@builtin(vertex_index) vertex: u32) -> LineVertex {
     let piece = line_segments[vertex / 6u];
-    let from_direction = line_direction(piece.from);
-    let to_direction = line_direction(piece.to);
+    let from_direction = line_direction(piece.start);
+    let to_direction = line_direction(piece.end);
     let a = picture_place(from_direction);
     let b = picture_place(to_direction);
     let corner = vertex % 6u;

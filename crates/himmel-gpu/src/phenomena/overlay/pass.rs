@@ -21,11 +21,11 @@ gpu_struct! {
     /// A piece of a line; the fields are explained in `lines.wgsl`.
     pub struct LineSegment {
         /// One end.
-        pub from: [f32; 3],
+        pub start: [f32; 3],
         /// Of its colour.
         pub red: f32,
         /// The other end.
-        pub to: [f32; 3],
+        pub end: [f32; 3],
         /// Of its colour.
         pub green: f32,
         /// Of its colour.
@@ -47,8 +47,8 @@ fn segment(piece: &LinePiece) -> LineSegment {
         LineKind::Horizontal => [0.4, 0.8, 0.4],
         LineKind::Ecliptic => [1.0, 0.8, 0.2],
     };
-    let [from, to] = piece.ends.map(|end| end.as_vec3().to_array());
-    LineSegment { from, red, to, green, blue, ..LineSegment::default() }
+    let [start, end] = piece.ends.map(|end| end.as_vec3().to_array());
+    LineSegment { start, red, end, green, blue, ..LineSegment::default() }
 }
 
 /// What is on the GPU of an overlay.
@@ -62,7 +62,8 @@ struct Uploaded {
 pub(crate) struct Lines {
     device: wgpu::Device,
     target: Target,
-    module: wgpu::ShaderModule,
+    /// Made when lines are first drawn.
+    module: Option<wgpu::ShaderModule>,
     layout: wgpu::BindGroupLayout,
     pipeline_layout: wgpu::PipelineLayout,
     /// By whether the projection is a matrix, and whether lines are refracted.
@@ -90,7 +91,7 @@ impl Lines {
         device: &wgpu::Device,
         target: &Target,
         groups: [&wgpu::BindGroupLayout; 2],
-    ) -> Result<Self, GpuError> {
+    ) -> Self {
         let slots = [(0, Slot::Uniform(size_of::<PointsUniform>() as u64, true)), (4, Slot::Buffer(false))];
         let layout = layout(device, "lines", wgpu::ShaderStages::VERTEX_FRAGMENT, &slots);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -100,10 +101,10 @@ impl Lines {
         });
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let stride = (size_of::<PointsUniform>() as u64).next_multiple_of(alignment);
-        Ok(Self {
+        Self {
             device: device.clone(),
             target: *target,
-            module: module(device, "phenomena/overlay/lines.wgsl")?,
+            module: None,
             layout,
             pipeline_layout,
             pipelines: HashMap::new(),
@@ -112,7 +113,7 @@ impl Lines {
             capacity: 2,
             uploaded: None,
             views: Vec::new(),
-        })
+        }
     }
 
     fn upload(&mut self, queue: &wgpu::Queue, lines: &Arc<LineList>) {
@@ -162,6 +163,10 @@ impl Lines {
             self.uniforms = uniforms(&self.device, self.stride * self.capacity as u64);
             self.bind();
         }
+        let shader = match &self.module {
+            Some(shader) => shader.clone(),
+            None => self.module.insert(module(&self.device, "phenomena/overlay/lines.wgsl")?).clone(),
+        };
         for (index, view) in views.iter().enumerate() {
             let Some(mut uniform) = view_of_points(view)? else { return Ok(()) };
             // The same uniform as points have: what lines do not need holds their width and strength.
@@ -181,7 +186,7 @@ impl Lines {
                     let constants = [("linear", on(linear)), ("refracted", on(refracted))];
                     let entries = ["line_vertex", "line_fragment"];
                     let pipeline = adding_pipeline(
-                        &self.device, &self.target, "lines", &self.module, &self.pipeline_layout, entries, &constants);
+                        &self.device, &self.target, "lines", &shader, &self.pipeline_layout, entries, &constants);
                     self.pipelines.insert((linear, refracted), pipeline);
                 }
             }

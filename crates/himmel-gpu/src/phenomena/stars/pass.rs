@@ -203,7 +203,8 @@ pub(crate) struct Points {
     lift: Option<(Arc<Bending>, BendingUniform)>,
     draws: Vec<[Option<Draw>; 2]>,
     discs: Discs,
-    disc_module: wgpu::ShaderModule,
+    /// Made when a disc is first drawn.
+    disc_module: Option<wgpu::ShaderModule>,
     disc_pipeline_layout: wgpu::PipelineLayout,
     disc_pipelines: HashMap<Kind, wgpu::RenderPipeline>,
     disc_draws: Vec<Option<DiscDraw>>,
@@ -307,7 +308,7 @@ impl Points {
             lift: None,
             draws: Vec::new(),
             discs,
-            disc_module: module(device, "phenomena/planets/disc.wgsl")?,
+            disc_module: None,
             disc_pipeline_layout,
             disc_pipelines: HashMap::new(),
             disc_draws: Vec::new(),
@@ -476,7 +477,7 @@ impl Points {
                 if bodies == 1 && !shown[index].is_empty() {
                     let kind = Kind { glare: false, rays: false, thesis: false, ..kind };
                     if !self.disc_pipelines.contains_key(&kind) {
-                        let pipeline = self.disc_pipeline(kind);
+                        let pipeline = self.disc_pipeline(kind)?;
                         self.disc_pipelines.insert(kind, pipeline);
                     }
                     let count = shown[index].len();
@@ -543,8 +544,13 @@ impl Points {
         (moving, self.adding("points", &self.module, &self.pipeline_layout, ["point_vertex", "point_fragment"], kind))
     }
 
-    fn disc_pipeline(&self, kind: Kind) -> wgpu::RenderPipeline {
-        self.adding("planets", &self.disc_module, &self.disc_pipeline_layout, ["planet_vertex", "planet_fragment"], kind)
+    fn disc_pipeline(&mut self, kind: Kind) -> Result<wgpu::RenderPipeline, GpuError> {
+        let shader = match &self.disc_module {
+            Some(shader) => shader.clone(),
+            None => self.disc_module.insert(module(&self.device, "phenomena/planets/disc.wgsl")?).clone(),
+        };
+        let entries = ["planet_vertex", "planet_fragment"];
+        Ok(self.adding("planets", &shader, &self.disc_pipeline_layout, entries, kind))
     }
 
     fn adding(
