@@ -60,6 +60,7 @@ pub const SHARED_ELSEWHERE: &[(&str, Layout)] = &[
     ("phenomena/air/query.wgsl", crate::phenomena::air::Query::LAYOUT),
     ("output/meter.wgsl", crate::output::meter::MeterUniform::LAYOUT),
     ("output/bloom.wgsl", crate::output::bloom::BloomUniform::LAYOUT),
+    ("phenomena/overlay/lines.wgsl", crate::phenomena::overlay::LineSegment::LAYOUT),
     ("phenomena/planets/disc.wgsl", crate::phenomena::planets::PlanetUniform::LAYOUT),
     ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointLight::LAYOUT),
     ("phenomena/stars/points.wgsl", crate::phenomena::stars::PointsUniform::LAYOUT),

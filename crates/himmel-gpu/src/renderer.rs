@@ -18,6 +18,7 @@ use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::cleared;
 use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
+use crate::phenomena::overlay::{Lines, Overlay};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
 use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
@@ -66,6 +67,8 @@ pub struct FrameState {
     pub hiders: Vec<Hider>,
     /// The night's own glow; none by day, when nobody sees it.
     pub night: Option<NightGlow>,
+    /// Lines over the sky.
+    pub overlay: Option<Overlay>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
@@ -89,6 +92,7 @@ impl FrameState {
             planets: Vec::new(),
             hiders: Vec::new(),
             night: None,
+            overlay: None,
             altitude_m,
             output,
             seconds: None,
@@ -171,6 +175,7 @@ pub struct SkyRenderer {
     capacity: usize,
     prepared: usize,
     points: Points,
+    lines: Lines,
     starlight: Starlight,
     /// Made when air is first applied to a host's picture.
     apply: Option<Apply>,
@@ -260,6 +265,7 @@ impl SkyRenderer {
             immediate_size: 0,
         });
         let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
+        let lines = Lines::new(device, target, [&air.layout, &view_layout]);
         let pipelines = Pipelines {
             device: device.clone(),
             target: *target,
@@ -300,6 +306,7 @@ impl SkyRenderer {
             capacity: FIRST_CAPACITY,
             prepared: 0,
             points,
+            lines,
             starlight: atmosphere.starlight(),
             apply: None,
             views: Vec::new(),
@@ -577,10 +584,11 @@ impl SkyRenderer {
             eclipsed: frame.shadow.is_some(),
             tonemap: frame.output.tonemap,
         };
-        let Self { points, queue, starlight, uploads, .. } = self;
-        points.prepare(queue, &scene, starlight, views, marching, &mut |buffer, offset, bytes| {
-            uploads.write(encoder, buffer, offset, bytes);
-        })
+        let Self { points, lines, queue, starlight, uploads, .. } = self;
+        let mut write =
+            |buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]| uploads.write(encoder, buffer, offset, bytes);
+        points.prepare(queue, &scene, starlight, views, marching, &mut write)?;
+        lines.prepare(queue, frame.overlay.as_ref(), points.lift(), views, &mut write)
     }
 
     /// Limb darkening of the Sun at the four wavelengths.
@@ -628,6 +636,7 @@ impl SkyRenderer {
             }
         }
         self.points.draw(pass, view_index);
+        self.lines.draw(pass, view_index);
     }
 
     /// Puts the air before a picture that the host has drawn from a prepared view: attenuates its colours (linear

@@ -34,6 +34,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/air/sky_view_refine.wgsl", include_str!("phenomena/air/sky_view_refine.wgsl")),
     ("phenomena/air/sky_view_table.wgsl", include_str!("phenomena/air/sky_view_table.wgsl")),
     ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
+    ("phenomena/overlay/lines.wgsl", include_str!("phenomena/overlay/lines.wgsl")),
     ("phenomena/planets/disc.wgsl", include_str!("phenomena/planets/disc.wgsl")),
     ("phenomena/planets/shade.wgsl", include_str!("phenomena/planets/shade.wgsl")),
     ("phenomena/stars/points.wgsl", include_str!("phenomena/stars/points.wgsl")),
@@ -67,6 +68,7 @@ pub const ROOTS: &[&str] = &[
     "phenomena/air/apply.wgsl",
     "phenomena/stars/points.wgsl",
     "phenomena/planets/disc.wgsl",
+    "phenomena/overlay/lines.wgsl",
 ];
 
 /// Why shader files could not be joined.

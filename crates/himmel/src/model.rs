@@ -20,7 +20,7 @@ use crate::error::{Error, Result};
 use crate::light::{AmbientLight, Light, LightSource, SunLight, pure_colour};
 use crate::night::NightCache;
 use crate::observer::Observer;
-use crate::points::{Moving, StarCache, hiders};
+use crate::points::{Moving, PointCache, hiders};
 use crate::scene::{ProjectionKind, Scene};
 
 /// Eyes above the ground, m.
@@ -53,8 +53,8 @@ pub struct SkyModel {
     ephemeris: Box<dyn Ephemeris + Send + Sync>,
     /// The bent sky of the altitude that was last asked for.
     bending: Mutex<Option<(f64, Arc<Bending>)>>,
-    stars: StarCache,
     night: NightCache,
+    points: PointCache,
 }
 
 /// The Sun's place for an observer.
@@ -103,7 +103,7 @@ impl SkyModel {
             clock,
             ephemeris,
             bending,
-            stars: StarCache::default(),
+            points: PointCache::default(),
             night: NightCache::default(),
         })
     }
@@ -382,7 +382,7 @@ impl SkyModel {
         let settings = &self.scene.sun;
         let (instant, place) = self.standing()?;
         let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
-        let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &observer)?;
+        let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &self.points, &observer)?;
         Ok(FrameState {
             sun: SunState {
                 direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
@@ -396,11 +396,12 @@ impl SkyModel {
             occluder: self.occluder()?,
             shadow: self.shadow()?,
             bending: self.bending(),
-            stars: self.stars.field(&self.scene, &observer, self.clock.unix_seconds()),
+            stars: self.points.field(&self.scene, &observer, self.clock.unix_seconds()),
             bodies: moving.points,
             planets: moving.discs,
             hiders: hiders(&observer)?,
             night: self.night()?,
+            overlay: self.points.overlay(&self.scene, &observer),
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),
             seconds: None,

@@ -7,7 +7,7 @@ use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten};
 use himmel_core::{choices, params};
 use himmel_gpu::phenomena::night_glow::NightSettings;
-use himmel_gpu::{OutputParams, PlanetsParams, StarsParams};
+use himmel_gpu::{OutputParams, OverlayParams, PlanetsParams, StarsParams};
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Error, Result};
@@ -103,6 +103,8 @@ pub struct Scene {
     pub planets: PlanetsParams,
     /// `[night.airglow]`, `[night.zodiacal]`, `[night.milky_way]`, `[night.light_pollution]`
     pub night: NightSettings,
+    /// `[overlay]`
+    pub overlay: OverlayParams,
     /// `[output]`
     pub output: OutputParams,
     /// Folder that a preset's relative path starts from; not part of the file.
@@ -122,6 +124,7 @@ impl Default for Scene {
             stars: StarsParams::default(),
             planets: PlanetsParams::default(),
             night: NightSettings::default(),
+            overlay: OverlayParams::default(),
             output: OutputParams::default(),
             folder: PathBuf::new(),
         }
@@ -130,7 +133,7 @@ impl Default for Scene {
 
 impl Scene {
     /// Every table of parameters, in the order of the file.
-    pub fn tables(&self) -> [&dyn Params; 13] {
+    pub fn tables(&self) -> [&dyn Params; 14] {
         [
             &self.observer,
             &self.clock,
@@ -144,11 +147,12 @@ impl Scene {
             &self.night.zodiacal,
             &self.night.milky_way,
             &self.night.light_pollution,
+            &self.overlay,
             &self.output,
         ]
     }
 
-    fn tables_mut(&mut self) -> [&mut dyn Params; 13] {
+    fn tables_mut(&mut self) -> [&mut dyn Params; 14] {
         [
             &mut self.observer,
             &mut self.clock,
@@ -162,6 +166,7 @@ impl Scene {
             &mut self.night.zodiacal,
             &mut self.night.milky_way,
             &mut self.night.light_pollution,
+            &mut self.overlay,
             &mut self.output,
         ]
     }

@@ -3,6 +3,7 @@
 pub mod air;
 pub mod ground;
 pub mod night_glow;
+pub mod overlay;
 pub mod planets;
 pub mod stars;
 pub mod sun;

@@ -157,7 +157,7 @@ mod tests {
     }
 
     fn area(disc: &PlanetDisc) -> f64 {
-        let (frame, steps) = (disc.frame(), 400);
+        let (frame, steps) = (disc.frame(), 1600);
         let at = |i: i32| 2.4 * (2.0 * (f64::from(i) + 0.5) / f64::from(steps) - 1.0);
         let cell = (4.8 / f64::from(steps)).powi(2);
         (0..steps * steps)

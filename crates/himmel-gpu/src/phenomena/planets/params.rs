@@ -15,5 +15,7 @@ params! {
         satellite_magnitude: f64 = 4.0, "mag", -10.0..=20.0;
         /// A comet's elements as in docs/astronomy.md, such as Halley q=0.5748 e=0.9679 i=162.19 node=59.07 peri=112.24 tp=2446469.97 m1=5.5 k1=8; empty: none.
         comet: String = String::new();
+        /// Length of the comet's tail, away from the Sun.
+        comet_tail_au: f64 = 0.1, "au", 0.0..=5.0;
     }
 }

@@ -23,4 +23,4 @@ mod pass;
 pub use model::{Hider, PointBody, StarField, StarList, StarPoint};
 pub use params::{Glare, PointSpread, StarsParams};
 pub use pass::{MOST_BODIES, MOST_HIDERS, PointLight, PointsUniform, SeenPoint};
-pub(crate) use pass::{Points, PointsScene};
+pub(crate) use pass::{Points, PointsScene, adding_pipeline, view_of_points};

@@ -89,6 +89,8 @@ pub struct PointBody {
     pub irradiance: [f64; 4],
     /// Share of a star's scintillation.
     pub scintillation: f64,
+    /// Full width of what is no point, rad: a comet's coma.
+    pub width_rad: f64,
 }
 
 /// The core: a cubic B-spline, 4 pixels wide   [unser1999]

@@ -44,6 +44,14 @@ gpu_struct! {
         pub scintillation: f32,
         /// Irradiance relative to the preset's star at 1 au.
         pub four: [f32; 4],
+        /// Full width of what is no point, rad.
+        pub width: f32,
+        /// Fills up.
+        pub padding_0: f32,
+        /// Fills up.
+        pub padding_1: f32,
+        /// Fills up.
+        pub padding_2: f32,
     }
 }
 
@@ -195,7 +203,8 @@ pub(crate) struct Points {
     lift: Option<(Arc<Bending>, BendingUniform)>,
     draws: Vec<[Option<Draw>; 2]>,
     discs: Discs,
-    disc_module: wgpu::ShaderModule,
+    /// Made when a disc is first drawn.
+    disc_module: Option<wgpu::ShaderModule>,
     disc_pipeline_layout: wgpu::PipelineLayout,
     disc_pipelines: HashMap<Kind, wgpu::RenderPipeline>,
     disc_draws: Vec<Option<DiscDraw>>,
@@ -301,7 +310,7 @@ impl Points {
             lift: None,
             draws: Vec::new(),
             discs,
-            disc_module: module(device, "phenomena/planets/disc.wgsl")?,
+            disc_module: None,
             disc_pipeline_layout,
             disc_pipelines: HashMap::new(),
             disc_draws: Vec::new(),
@@ -317,6 +326,11 @@ impl Points {
             self.disc_pipelines.clear();
         }
         self.uploaded = None;
+    }
+
+    /// Refraction over true elevation, of the prepared frame.
+    pub(crate) fn lift(&self) -> BendingUniform {
+        self.lift.as_ref().map_or_else(BendingUniform::default, |(_, lift)| *lift)
     }
 
     /// Memory in bytes.
@@ -336,6 +350,7 @@ impl Points {
                 velocity: star.velocity_per_year.as_vec3().to_array(),
                 scintillation: 1.0,
                 four: starlight.of_black_body(star.temperature_k, star.illuminance_lx).map(|value| value as f32),
+                ..PointLight::default()
             })
             .collect();
         let size = size_of_val(points.as_slice()) as u64;
@@ -395,6 +410,7 @@ impl Points {
                 .map(|body| PointLight {
                     place: body.direction.normalize_or(DVec3::Z).as_vec3().to_array(),
                     scintillation: body.scintillation as f32,
+                    width: body.width_rad as f32,
                     four: body.irradiance.map(|value| value as f32),
                     ..PointLight::default()
                 })
@@ -464,7 +480,7 @@ impl Points {
                 if bodies == 1 && !shown[index].is_empty() {
                     let kind = Kind { glare: false, rays: false, thesis: false, ..kind };
                     if !self.disc_pipelines.contains_key(&kind) {
-                        let pipeline = self.disc_pipeline(kind);
+                        let pipeline = self.disc_pipeline(kind)?;
                         self.disc_pipelines.insert(kind, pipeline);
                     }
                     let count = shown[index].len();
@@ -495,7 +511,7 @@ impl Points {
         }
     }
 
-    /// Values of the shaders' overrides.
+    /// Values of the shaders' overrides; the first is the depth at infinity.
     fn overrides(&self, kind: Kind) -> [(&'static str, f64); 15] {
         let on = |yes: bool| f64::from(u8::from(yes));
         let reversed = matches!(self.target.depth, Some((_, DepthDirection::Reversed)));
@@ -531,67 +547,24 @@ impl Points {
         (moving, self.adding("points", &self.module, &self.pipeline_layout, ["point_vertex", "point_fragment"], kind))
     }
 
-    fn disc_pipeline(&self, kind: Kind) -> wgpu::RenderPipeline {
-        self.adding(
-            "planets",
-            &self.disc_module,
-            &self.disc_pipeline_layout,
-            ["planet_vertex", "planet_fragment"],
-            kind,
-        )
+    fn disc_pipeline(&mut self, kind: Kind) -> Result<wgpu::RenderPipeline, GpuError> {
+        let shader = match &self.disc_module {
+            Some(shader) => shader.clone(),
+            None => self.disc_module.insert(module(&self.device, "phenomena/planets/disc.wgsl")?).clone(),
+        };
+        let entries = ["planet_vertex", "planet_fragment"];
+        Ok(self.adding("planets", &shader, &self.disc_pipeline_layout, entries, kind))
     }
 
-    /// A pipeline that adds to what is in the target.
     fn adding(
         &self,
         label: &str,
         module: &wgpu::ShaderModule,
         layout: &wgpu::PipelineLayout,
-        [vertex, fragment]: [&str; 2],
+        entries: [&str; 2],
         kind: Kind,
     ) -> wgpu::RenderPipeline {
-        let constants = self.overrides(kind);
-        let options = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
-        let add = wgpu::BlendComponent {
-            src_factor: wgpu::BlendFactor::One,
-            dst_factor: wgpu::BlendFactor::One,
-            operation: wgpu::BlendOperation::Add,
-        };
-        let colour = wgpu::ColorTargetState {
-            format: self.target.colour,
-            blend: Some(wgpu::BlendState { color: add, alpha: add }),
-            write_mask: wgpu::ColorWrites::COLOR,
-        };
-        self.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some(label),
-            layout: Some(layout),
-            vertex: wgpu::VertexState {
-                module,
-                entry_point: Some(vertex),
-                compilation_options: options(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: self.target.depth.map(|(format, direction)| wgpu::DepthStencilState {
-                format,
-                depth_write_enabled: Some(false),
-                depth_compare: Some(match direction {
-                    DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
-                    DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
-                }),
-                stencil: Default::default(),
-                bias: Default::default(),
-            }),
-            multisample: wgpu::MultisampleState { count: self.target.samples, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
-                module,
-                entry_point: Some(fragment),
-                compilation_options: options(),
-                targets: &[Some(colour)],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+        adding_pipeline(&self.device, &self.target, label, module, layout, entries, &self.overrides(kind)[1..])
     }
 
     /// Whether the prepared frame has any.
@@ -637,6 +610,57 @@ impl Points {
     }
 }
 
+/// A pipeline that adds to what is in the target; `constants`: overrides besides the depth at infinity.
+pub(crate) fn adding_pipeline(
+    device: &wgpu::Device,
+    target: &Target,
+    label: &str,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    [vertex, fragment]: [&str; 2],
+    constants: &[(&'static str, f64)],
+) -> wgpu::RenderPipeline {
+    let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
+    let far_depth = ("far_depth", if reversed { 0.0 } else { 1.0 });
+    let constants: Vec<_> = std::iter::once(far_depth).chain(constants.iter().copied()).collect();
+    let options = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let colour = wgpu::ColorTargetState {
+        format: target.colour,
+        blend: Some(wgpu::BlendState { color: add, alpha: add }),
+        write_mask: wgpu::ColorWrites::COLOR,
+    };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(label),
+        layout: Some(layout),
+        vertex: wgpu::VertexState { module, entry_point: Some(vertex), compilation_options: options(), buffers: &[] },
+        primitive: Default::default(),
+        depth_stencil: target.depth.map(|(format, direction)| wgpu::DepthStencilState {
+            format,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(match direction {
+                DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
+                DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
+            }),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: options(),
+            targets: &[Some(colour)],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
 fn bind_groups(
     device: &wgpu::Device,
     layouts: &Layouts,
@@ -660,15 +684,7 @@ fn uniform_of(
     scene: &PointsScene<'_>,
     starlight: &Starlight,
 ) -> Result<Option<PointsUniform>, GpuError> {
-    let [origin, x, y] = view.rays()?;
-    let linear = matches!(view.projection, Projection::Matrix(_));
-    let area = origin.dot(x.cross(y)).abs();
-    if linear && !(area > 1e-30) {
-        return Ok(None);
-    }
-    let rows = if view.rows_px == 0 { FEWEST_ROWS } else { f64::from(view.rows_px) };
-    // Pixels are square.
-    let aspect = if linear { x.length() / y.length() } else { view.aspect };
+    let Some(shared) = view_of_points(view)? else { return Ok(None) };
     let view_from_enu = DMat3::from_mat4(view.enu_from_view).transpose();
     let mut hider = [[0f32; 4]; MOST_HIDERS];
     for (slot, disc) in hider.iter_mut().zip(scene.hiders) {
@@ -692,9 +708,25 @@ fn uniform_of(
         phases: [[phases[0], phases[1], phases[2], phases[3]], [phases[4], phases[5], phases[6], phases[7]]],
         shift: wavelength_shift(refraction_rad, scene.bending.ratio).map(|value| value as f32),
         strength: wavelength_strength(starlight.wavelengths_nm()).map(|value| value as f32),
+        thesis_lx: (ILLUMINANCE_OF_V_0_LX * 10f64.powf(-0.4 * params.thesis_magnitude)) as f32,
+        ..shared
+    }))
+}
+
+/// What follows from a view alone; `None` for a projection that looks one way everywhere.
+pub(crate) fn view_of_points(view: &View) -> Result<Option<PointsUniform>, GpuError> {
+    let [origin, x, y] = view.rays()?;
+    let linear = matches!(view.projection, Projection::Matrix(_));
+    let area = origin.dot(x.cross(y)).abs();
+    if linear && !(area > 1e-30) {
+        return Ok(None);
+    }
+    let rows = if view.rows_px == 0 { FEWEST_ROWS } else { f64::from(view.rows_px) };
+    // Pixels are square.
+    let aspect = if linear { x.length() / y.length() } else { view.aspect };
+    Ok(Some(PointsUniform {
         pixel: [(2.0 / (rows * aspect)) as f32, (2.0 / rows) as f32],
         area: area as f32,
-        thesis_lx: (ILLUMINANCE_OF_V_0_LX * 10f64.powf(-0.4 * params.thesis_magnitude)) as f32,
         thesis_core_scale: thesis_core_scale(if linear { y.length() / rows } else { 0.5 / rows }) as f32,
         thesis_glare_px: 2.0,
         ..PointsUniform::default()

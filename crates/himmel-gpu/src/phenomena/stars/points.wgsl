@@ -21,6 +21,11 @@ struct PointLight {
     scintillation: f32,
     // Irradiance above the air relative to the preset's star at 1 au.
     four: vec4f,
+    // Full width of what is no point: a comet's coma, rad.
+    width: f32,
+    padding_0: f32,
+    padding_1: f32,
+    padding_2: f32,
 }
 
 struct PointsUniform {
@@ -217,8 +222,9 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
     let per_ndc = solid_angle_per_ndc(place.xy);
     let pixel_sr = per_ndc * points.pixel.x * points.pixel.y;
     // Seeing widens the core where a pixel is finer: the spline's own full width is 1.44 pixels.
-    let seeing = points.seeing * pow(min(air_mass(mu), 40.0), 0.6) / (1.44 * sqrt(pixel_sr));
-    var widen = vec2f(sqrt(1.0 + seeing * seeing));
+    let blurred = vec2f(points.seeing * pow(min(air_mass(mu), 40.0), 0.6), point.width) / (1.44 * sqrt(pixel_sr));
+    // 500: a comet that fills a picture.
+    var widen = vec2f(min(sqrt(1.0 + dot(blurred, blurred)), 500.0));
     var radial_px = sqrt(pixel_sr);
     if linear {
         let ray = view.ray_origin + view.ray_x * place.x + view.ray_y * place.y;
@@ -235,7 +241,7 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
     var half_size = 2.0 * widen + 0.01;
     var glare = vec3f(0.0, 1.0, 0.0);
     if with_glare {
-        let soft = max(points.glare_soft, radial_px);
+        let soft = max(max(points.glare_soft, radial_px), point.width);
         let reach = min(glare_reach(points.glare.xy, points.glare_floor / max(bright, 1e-30), soft), points.glare.z);
         let share = glare_share(points.glare.xy, max(reach, 1e-9), soft);
         let worth = reach > 2.0 * radial_px;
@@ -256,7 +262,7 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
         sky = sky_behind(seen) * exposure;
         finished_sky = finished_colour(sky);
         // A tenth of a step of 8 bits: nothing to draw.
-        let peak = bright * 0.4445 / pixel_sr;
+        let peak = bright * 0.4445 / (pixel_sr * widen.x * widen.y);
         hidden = hidden || (!as_thesis && peak < 2e-3 * luminance_of(max(sky, vec3f(0.0))) + 1e-6);
     }
     if hidden || place.z < 0.5 || !(bright > 0.0) {
