@@ -6,7 +6,7 @@ use glam::DMat3;
 
 use super::{NightGlow, StarMap, zodiacal};
 use crate::layout::gpu_struct;
-use crate::pass::{Bound, Slot, bind, layout};
+use crate::pass::{Bound, Slot, bind, layers, layout};
 
 gpu_struct! {
     /// The fields are explained in `night_glow.wgsl`.
@@ -42,9 +42,6 @@ gpu_struct! {
     }
 }
 
-/// S10 are stored over this: it keeps the corona in half floats.
-const STORED_OVER: f64 = 64.0;
-
 impl NightUniform {
     /// Of a night.
     pub fn new(night: &NightGlow) -> Self {
@@ -64,7 +61,7 @@ impl NightUniform {
             layer_radius_m: night.layer.radius_m as f32,
             per_layer_unit: (1.0 / night.layer.unit_m) as f32,
             unit_over_vertical: night.layer.unit_over_vertical as f32,
-            zodiacal: (night.zodiacal * STORED_OVER) as f32,
+            zodiacal: night.zodiacal as f32,
         }
     }
 }
@@ -85,7 +82,6 @@ pub(crate) struct NightTextures {
     pub layout: wgpu::BindGroupLayout,
     pub group: wgpu::BindGroup,
     pub buffer: wgpu::Buffer,
-    sampler: wgpu::Sampler,
     star_map: wgpu::TextureView,
     zodiacal: wgpu::TextureView,
     /// What the textures hold.
@@ -97,7 +93,7 @@ pub(crate) struct NightTextures {
 impl NightTextures {
     pub(crate) fn new(device: &wgpu::Device) -> Self {
         let size = size_of::<NightUniform>() as u64;
-        let slots = [(0, Slot::Uniform(size, false)), (1, Slot::Cube), (2, Slot::FilteredTable), (3, Slot::Sampler)];
+        let slots = [(0, Slot::Uniform(size, false)), (1, Slot::Codes), (2, Slot::Table)];
         let layout = layout(device, "night glow", wgpu::ShaderStages::FRAGMENT, &slots);
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("night glow"),
@@ -105,16 +101,10 @@ impl NightTextures {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("linear, of one level"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
-        let star_map = cube_view(&cube(device, 1, 1));
+        let star_map = layers(&cube(device, 1, 1));
         let zodiacal = table(device, [1, 1]).create_view(&Default::default());
-        let group = group(device, &layout, &buffer, &star_map, &zodiacal, &sampler);
-        Self { layout, group, buffer, sampler, star_map, zodiacal, held_map: None, held_table: None, bytes: 0 }
+        let group = group(device, &layout, &buffer, &star_map, &zodiacal);
+        Self { layout, group, buffer, star_map, zodiacal, held_map: None, held_table: None, bytes: 0 }
     }
 
     /// Uploads what a night has and the textures do not hold yet: once, unless settings change.
@@ -140,25 +130,21 @@ impl NightTextures {
                 }
                 None => cube(device, 1, 1),
             };
-            self.star_map = cube_view(&texture);
+            self.star_map = layers(&texture);
             self.held_map = night.star_map.clone();
             self.bytes = night.star_map.as_ref().map_or(0, |map| map.levels().iter().map(|l| 4 * l.len() as u64).sum());
         }
         if !same_table {
             let [width, height] = zodiacal::FOLDED;
             let texture = table(device, zodiacal::FOLDED.map(|side| side as u32));
-            let texels: Vec<u16> = night
-                .zodiacal_table
-                .iter()
-                .flat_map(|four| four.map(|s10| half::f16::from_f64(s10 / STORED_OVER).to_bits()))
-                .collect();
+            let texels: Vec<f32> = night.zodiacal_table.iter().flatten().map(|s10| *s10 as f32).collect();
             if texels.len() == 4 * width * height {
                 write(queue, &texture, 0, [width as u32, height as u32, 1], bytemuck::cast_slice(&texels));
             }
             self.zodiacal = texture.create_view(&Default::default());
             self.held_table = Some(Arc::clone(&night.zodiacal_table));
         }
-        self.group = group(device, &self.layout, &self.buffer, &self.star_map, &self.zodiacal, &self.sampler);
+        self.group = group(device, &self.layout, &self.buffer, &self.star_map, &self.zodiacal);
     }
 
     pub(crate) fn bytes(&self) -> u64 {
@@ -172,14 +158,8 @@ fn group(
     buffer: &wgpu::Buffer,
     star_map: &wgpu::TextureView,
     zodiacal: &wgpu::TextureView,
-    sampler: &wgpu::Sampler,
 ) -> wgpu::BindGroup {
-    let bound = [
-        (0, Bound::Buffer(buffer)),
-        (1, Bound::View(star_map)),
-        (2, Bound::View(zodiacal)),
-        (3, Bound::Sampler(sampler)),
-    ];
+    let bound = [(0, Bound::Buffer(buffer)), (1, Bound::View(star_map)), (2, Bound::View(zodiacal))];
     bind(device, "night glow", layout, &bound)
 }
 
@@ -203,18 +183,11 @@ fn texture(
 }
 
 fn cube(device: &wgpu::Device, side: u32, levels: u32) -> wgpu::Texture {
-    texture(device, "star map", [side, side, 6], levels, wgpu::TextureFormat::Rgb9e5Ufloat)
-}
-
-fn cube_view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::Cube),
-        ..Default::default()
-    })
+    texture(device, "star map", [side, side, 6], levels, wgpu::TextureFormat::R32Uint)
 }
 
 fn table(device: &wgpu::Device, [width, height]: [u32; 2]) -> wgpu::Texture {
-    texture(device, "zodiacal light", [width, height, 1], 1, wgpu::TextureFormat::Rgba16Float)
+    texture(device, "zodiacal light", [width, height, 1], 1, wgpu::TextureFormat::Rgba32Float)
 }
 
 fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, level: u32, [width, height, layers]: [u32; 3], bytes: &[u8]) {
