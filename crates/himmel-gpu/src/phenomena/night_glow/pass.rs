@@ -6,7 +6,7 @@ use glam::DMat3;
 
 use super::{NightGlow, StarMap, zodiacal};
 use crate::layout::gpu_struct;
-use crate::pass::{Bound, Slot};
+use crate::pass::{Bound, Slot, layers};
 
 gpu_struct! {
     /// The fields are explained in `night_glow.wgsl`.
@@ -42,9 +42,6 @@ gpu_struct! {
     }
 }
 
-/// S10 are stored over this: it keeps the corona in half floats.
-const STORED_OVER: f64 = 64.0;
-
 impl NightUniform {
     /// Of a night.
     pub fn new(night: &NightGlow) -> Self {
@@ -64,7 +61,7 @@ impl NightUniform {
             layer_radius_m: night.layer.radius_m as f32,
             per_layer_unit: (1.0 / night.layer.unit_m) as f32,
             unit_over_vertical: night.layer.unit_over_vertical as f32,
-            zodiacal: (night.zodiacal * STORED_OVER) as f32,
+            zodiacal: night.zodiacal as f32,
         }
     }
 }
@@ -83,7 +80,6 @@ impl NightGlow {
 /// What shaders read of a night, in the bind group of views: black and tiny until the first one.
 pub(crate) struct NightTextures {
     pub buffer: wgpu::Buffer,
-    sampler: wgpu::Sampler,
     star_map: wgpu::TextureView,
     zodiacal: wgpu::TextureView,
     /// What the textures hold.
@@ -94,12 +90,8 @@ pub(crate) struct NightTextures {
 
 impl NightTextures {
     /// Its place in the layout of views.
-    pub(crate) const SLOTS: [(u32, Slot); 4] = [
-        (4, Slot::Uniform(size_of::<NightUniform>() as u64, false)),
-        (5, Slot::Cube),
-        (6, Slot::FilteredTable),
-        (7, Slot::Sampler),
-    ];
+    pub(crate) const SLOTS: [(u32, Slot); 3] =
+        [(4, Slot::Uniform(size_of::<NightUniform>() as u64, false)), (5, Slot::Codes), (6, Slot::Table)];
 
     pub(crate) fn new(device: &wgpu::Device) -> Self {
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
@@ -108,25 +100,14 @@ impl NightTextures {
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
-        let sampler = device.create_sampler(&wgpu::SamplerDescriptor {
-            label: Some("linear, of one level"),
-            mag_filter: wgpu::FilterMode::Linear,
-            min_filter: wgpu::FilterMode::Linear,
-            ..Default::default()
-        });
-        let star_map = cube_view(&cube(device, 1, 1));
+        let star_map = layers(&cube(device, 1, 1));
         let zodiacal = table(device, [1, 1]).create_view(&Default::default());
-        Self { buffer, sampler, star_map, zodiacal, held_map: None, held_table: None, bytes: 0 }
+        Self { buffer, star_map, zodiacal, held_map: None, held_table: None, bytes: 0 }
     }
 
     /// What is bound there.
-    pub(crate) fn bound(&self) -> [(u32, Bound<'_>); 4] {
-        [
-            (4, Bound::Buffer(&self.buffer)),
-            (5, Bound::View(&self.star_map)),
-            (6, Bound::View(&self.zodiacal)),
-            (7, Bound::Sampler(&self.sampler)),
-        ]
+    pub(crate) fn bound(&self) -> [(u32, Bound<'_>); 3] {
+        [(4, Bound::Buffer(&self.buffer)), (5, Bound::View(&self.star_map)), (6, Bound::View(&self.zodiacal))]
     }
 
     /// Uploads what a night has and the textures do not hold yet: once, unless settings change. True where bind groups with
@@ -153,18 +134,14 @@ impl NightTextures {
                 }
                 None => cube(device, 1, 1),
             };
-            self.star_map = cube_view(&texture);
+            self.star_map = layers(&texture);
             self.held_map = night.star_map.clone();
             self.bytes = night.star_map.as_ref().map_or(0, |map| map.levels().iter().map(|l| 4 * l.len() as u64).sum());
         }
         if !same_table {
             let [width, height] = zodiacal::FOLDED;
             let texture = table(device, zodiacal::FOLDED.map(|side| side as u32));
-            let texels: Vec<u16> = night
-                .zodiacal_table
-                .iter()
-                .flat_map(|four| four.map(|s10| half::f16::from_f64(s10 / STORED_OVER).to_bits()))
-                .collect();
+            let texels: Vec<f32> = night.zodiacal_table.iter().flatten().map(|s10| *s10 as f32).collect();
             if texels.len() == 4 * width * height {
                 write(queue, &texture, 0, [width as u32, height as u32, 1], bytemuck::cast_slice(&texels));
             }
@@ -199,18 +176,11 @@ fn texture(
 }
 
 fn cube(device: &wgpu::Device, side: u32, levels: u32) -> wgpu::Texture {
-    texture(device, "star map", [side, side, 6], levels, wgpu::TextureFormat::Rgb9e5Ufloat)
-}
-
-fn cube_view(texture: &wgpu::Texture) -> wgpu::TextureView {
-    texture.create_view(&wgpu::TextureViewDescriptor {
-        dimension: Some(wgpu::TextureViewDimension::Cube),
-        ..Default::default()
-    })
+    texture(device, "star map", [side, side, 6], levels, wgpu::TextureFormat::R32Uint)
 }
 
 fn table(device: &wgpu::Device, [width, height]: [u32; 2]) -> wgpu::Texture {
-    texture(device, "zodiacal light", [width, height, 1], 1, wgpu::TextureFormat::Rgba16Float)
+    texture(device, "zodiacal light", [width, height, 1], 1, wgpu::TextureFormat::Rgba32Float)
 }
 
 fn write(queue: &wgpu::Queue, texture: &wgpu::Texture, level: u32, [width, height, layers]: [u32; 3], bytes: &[u8]) {

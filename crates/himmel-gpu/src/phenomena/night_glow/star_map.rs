@@ -21,7 +21,7 @@ pub struct StarMapError {
 
 /// Six faces in WebGPU's order (+x −x +y −y +z −z of ICRS axes), linear Rec. 709 whose luminance is in S10.
 ///
-/// Texels share an exponent (`Rgb9e5Ufloat`: 0.2 % of the brightest channel), each level averages four texels of the one before.
+/// Texels share an exponent (as in `Rgb9e5Ufloat`: 0.2 % of the brightest channel), each level averages four texels of the one before.
 #[derive(Clone, PartialEq)]
 pub struct StarMap {
     side: u32,
@@ -101,7 +101,7 @@ impl StarMap {
 
     /// Linear Rec. 709 in S10 from a direction (ICRS), bilinear within its face. `level`: 0 is the finest.
     ///
-    /// The sampler's twin, but that hardware filters across edges of the cube, too.
+    /// Twin of `starlight` in `night_glow.wgsl`.
     pub fn sample_s10(&self, direction: DVec3, level: usize) -> DVec3 {
         let level = level.min(self.levels.len() - 1);
         let n = (self.side as usize >> level).max(1);

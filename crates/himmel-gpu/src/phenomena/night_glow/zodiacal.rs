@@ -105,7 +105,7 @@ pub fn reddening(wavelength_nm: f64, elongation_rad: f64) -> f64 {
 }
 
 /// Texels of the folded table, across and down.
-pub const FOLDED: [usize; 2] = [256, 128];
+pub const FOLDED: [usize; 2] = [512, 256];
 
 /// A place in the folded table, 0..1: (1 + x/s)/2 and |z|/s with s = |x| + |y| + |z|, the octahedron's map of a quarter of the
 /// sphere. x to the Sun, z to the ecliptic's pole. It costs a shader eight operations, longitude and latitude sixty.
@@ -184,7 +184,7 @@ mod tests {
         };
         assert!((at(50.0, 90.0) - 60.0).abs() < 1.0);
         assert!((at(180.0, 0.0) - 180.0).abs() < 1.0);
-        // Texels of a degree round its ridge off.
+        // Straight lines between texels of a third of a degree.
         assert!((at(30.0, 0.0) - 1940.0).abs() < 20.0, "{}", at(30.0, 0.0));
         // Both sides of the Sun and of the ecliptic are alike.
         assert_eq!(at(70.0, 20.0), at(-70.0, -20.0));
