@@ -1,4 +1,5 @@
-// The sky view of a station, for pixels to look up: twice as fine as its rays, by cubic interpolation between them.
+// The sky view of a station, for pixels to look up: twice as fine as its rays, interpolated between them: by cubics, below
+// the horizon from row to row by lines.
 
 //#include "phenomena/air/sky_view_table.wgsl"
 
@@ -20,6 +21,17 @@ fn stencil(place: f32, from_ray: i32, last: i32) -> Stencil {
     let c = t - 2.0;
     let d = t - 3.0;
     return Stencil(first, vec4f(-b * c * d / 6.0, 0.5 * a * c * d, -0.5 * a * b * d, a * b * c / 6.0));
+}
+
+// The same with a straight line: it does not overshoot.
+fn line_stencil(place: f32, from_ray: i32, last: i32) -> Stencil {
+    let first = clamp(i32(floor(place)), from_ray, last - 1);
+    let t = place - f32(first);
+    let start = min(first, last - 3);
+    var weights = vec4f(0.0);
+    weights[first - start] = 1.0 - t;
+    weights[first - start + 1] = t;
+    return Stencil(start, weights);
 }
 
 fn between_rays(across: Stencil, up: Stencil, layer: u32) -> vec4f {
@@ -49,8 +61,11 @@ fn refine_sky_view(@builtin(global_invocation_id) id: vec3u) {
     let last_fine = f32(select(i32(size.y) - fine_lower, fine_lower, below) - 1);
     let last_ray = f32(select(coarse.y - lower, lower, below) - 1);
     let in_side = f32(i32(id.y) - select(fine_lower, 0, below)) / last_fine * last_ray;
-    let up = stencil(
-        in_side + f32(select(lower, 0, below)), select(lower, 0, below), select(coarse.y, lower, below) - 1);
+    var up = stencil(in_side + f32(lower), lower, coarse.y - 1);
+    if below {
+        // The nearest ground falls off the horizon too steeply for cubics.
+        up = line_stencil(in_side, 0, lower - 1);
+    }
     let across = stencil(f32(id.x) / f32(size.x - 1u) * f32(coarse.x - 1), 0, coarse.x - 1);
 
     let layer = sky_view_layer(id.z);

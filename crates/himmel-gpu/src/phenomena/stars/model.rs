@@ -177,7 +177,7 @@ pub fn wavelength_strength(wavelengths_nm: [f64; 4]) -> [f64; 4] {
 /// Phases of the eight waves of which scintillation is made, in turns, at a time. The waves have 0.5 … 1.4 times the
 /// frequency that the integration time passes.
 pub fn wave_phases(time_s: f64, integration_s: f64) -> [f64; 8] {
-    const RATIOS: [f64; 8] = [0.5, 0.6180, 0.7321, 0.8284, 0.9439, 1.0631, 1.2361, 1.4142];
+    const RATIOS: [f64; 8] = [0.5, 0.6180, 0.7321, 0.8284, 0.9439, 1.0631, 1.2361, std::f64::consts::SQRT_2];
     RATIOS.map(|ratio| (time_s * ratio / (2.0 * integration_s)).rem_euclid(1.0))
 }
 

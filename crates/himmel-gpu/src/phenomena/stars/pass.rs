@@ -718,7 +718,7 @@ pub(crate) fn view_of_points(view: &View) -> Result<Option<PointsUniform>, GpuEr
     let [origin, x, y] = view.rays()?;
     let linear = matches!(view.projection, Projection::Matrix(_));
     let area = origin.dot(x.cross(y)).abs();
-    if linear && !(area > 1e-30) {
+    if linear && (area.is_nan() || area <= 1e-30) {
         return Ok(None);
     }
     let rows = if view.rows_px == 0 { FEWEST_ROWS } else { f64::from(view.rows_px) };
