@@ -4,6 +4,7 @@ mod astronomy;
 mod bad_input;
 mod bench;
 mod examples;
+mod night;
 mod optics;
 mod pictures;
 mod radiance;

@@ -17,7 +17,9 @@ fn pixels(preset: &str, settings: &[(&str, &str)], output: Output) -> Pixels {
 
 /// Radiance in cd/m²; the Sun's disc is left out, since half floats end at 65,504.
 fn radiance(name: &str, preset: &str, settings: &[(&str, &str)]) -> Result<(), GoldenError> {
+    // Points have goldens of their own.
     let mut all = vec![("output.exposure", "none"), ("light.sun.disc", "off")];
+    all.extend([("night.stars.enabled", "off"), ("night.planets.enabled", "off")]);
     all.extend(settings);
     let Pixels::Radiance(rgb) = pixels(preset, &all, Output::Radiance) else { unreachable!("radiance was asked for") };
     println!("{}", GoldenSet::of_workspace()?.check_exr(name, 256, 144, &rgb, Tolerance::default())?);
@@ -52,6 +54,25 @@ fn orbit() -> Result<(), GoldenError> {
 #[test]
 fn mars() -> Result<(), GoldenError> {
     radiance("mars", "mars-reference", &[("light.sun.altitude_deg", "4"), ("camera.look", "sunward")])
+}
+
+/// Orion and Sirius, in cd/m²: places, colours, extinction.
+#[test]
+fn stars() -> Result<(), GoldenError> {
+    let place = [("observer.place", "52.39,13.06"), ("clock.time", "2012-01-20T22:00Z"), ("camera.look", "180,30")];
+    radiance(
+        "stars",
+        "earth",
+        &[&place[..], &[("night.stars.enabled", "on"), ("night.planets.enabled", "on")]].concat(),
+    )
+}
+
+/// Saturn fills a telescope.
+#[test]
+fn saturn() -> Result<(), GoldenError> {
+    let place = [("observer.place", "Paranal"), ("clock.time", "2012-04-16T05:00Z"), ("camera.look", "saturn")];
+    let camera = [("camera.fov_deg", "0.02"), ("output.exposure", "8"), ("night.planets.enabled", "on")];
+    look("saturn", "earth", &[&place[..], &camera[..]].concat())
 }
 
 /// In the umbra of 2024-04-08: twilight all round.

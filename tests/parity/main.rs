@@ -3,8 +3,13 @@
 mod air;
 mod allocation;
 mod apply_air;
+mod bloom;
+mod day;
 mod functions;
 mod host;
 mod moon;
+mod night;
 mod pictures;
+mod saved;
+mod stars;
 mod sun;

@@ -23,6 +23,10 @@ fn picture(place: &str, time: &str, size: u32, more: &[(&str, &str)]) -> (SkyMod
         ("air.enabled", "off"),
         ("air.quality", "low"),
         ("body.moon.light", "off"),
+        ("night.airglow.enabled", "off"),
+        ("night.zodiacal.enabled", "off"),
+        ("night.milky_way.enabled", "off"),
+        ("night.stars.enabled", "off"),
     ];
     settings.extend_from_slice(more);
     let model = model("earth", &settings);
@@ -210,8 +214,8 @@ fn the_umbra_ends_at_danjons_radius() {
 /// Pixels against the f64 twin, and the sum of a picture against the illuminance; 3 pixels wide to 1,500.
 #[test]
 fn pixels_are_the_twins_and_sum_to_the_illuminance() {
-    // 3 pixels wide: half of them are the limb, which is drawn as bright as just inside it.
-    for (size, tolerance) in [(5u32, 0.05), (40, 0.01), (400, 3e-3), (1700, 2e-3)] {
+    // The law is that of a distant sphere; the near one has 1 % less at 126°. Discs of 3 pixels are half limb.
+    for (size, tolerance) in [(5u32, 0.03), (40, 0.015), (400, 0.012), (1700, 0.012)] {
         for time in ["2024-04-20T20:00Z", "2024-04-12T19:30Z"] {
             let (model, light) = picture("Potsdam", time, size, &[("body.moon.albedo_map", "none")]);
             let moon = model.moon().unwrap().unwrap();
@@ -220,30 +224,31 @@ fn pixels_are_the_twins_and_sum_to_the_illuminance() {
             // With the Earth's light, which is no part of the illuminance: a full disc of it.
             let earth = model.atmosphere().xyz(moon.state.earthlit).y * PI * 0.5 * moon.radius_deg.to_radians().powi(2);
             let expected = moon.illuminance_lx + earth;
-            println!("corner {:e}, middle {:e}", light[0], light[light.len() / 2 + size as usize / 2]);
             println!("{size} px {time}: {sum:.5} lx, expected {expected:.5}");
-            let _ = tolerance;
+            assert!((sum / expected - 1.0).abs() < tolerance, "{size} {time}: {sum} {expected}");
         }
     }
     const SIZE: u32 = 300;
-    let (model, light) = picture("Potsdam", "2024-04-20T20:00Z", SIZE, &[]);
-    let view = model.view().unwrap();
-    let radius_rad = model.moon().unwrap().unwrap().radius_deg.to_radians();
-    let mut errors = Vec::new();
-    for (index, value) in light.iter().enumerate() {
-        if on_disc(index, SIZE, radius_rad).length() < 0.9 {
-            let ndc = |i: usize| 2.0 * (i as f64 + 0.5) / f64::from(SIZE) - 1.0;
-            let direction = view.direction([ndc(index % SIZE as usize), -ndc(index / SIZE as usize)]).unwrap();
-            let twin = model.luminance(direction).unwrap();
-            let twin = 0.2126 * twin.x + 0.7152 * twin.y + 0.0722 * twin.z;
-            errors.push((value - twin).abs() / twin.max(1.0));
+    // Even ground: f32 alone. The map: the twin reads its finest level, pixels the mean of what they cover.
+    for (map, median, most) in [("none", 1e-4, 2e-3), ("", 0.03, 0.12)] {
+        let (model, light) = picture("Potsdam", "2024-04-20T20:00Z", SIZE, &[("body.moon.albedo_map", map)]);
+        let view = model.view().unwrap();
+        let radius_rad = model.moon().unwrap().unwrap().radius_deg.to_radians();
+        let mut errors = Vec::new();
+        for (index, value) in light.iter().enumerate().step_by(7) {
+            if on_disc(index, SIZE, radius_rad).length() < 0.9 {
+                let ndc = |i: usize| 2.0 * (i as f64 + 0.5) / f64::from(SIZE) - 1.0;
+                let direction = view.direction([ndc(index % SIZE as usize), -ndc(index / SIZE as usize)]).unwrap();
+                let twin = model.luminance(direction).unwrap();
+                let twin = 0.2126 * twin.x + 0.7152 * twin.y + 0.0722 * twin.z;
+                errors.push((value - twin).abs() / twin.max(1.0));
+            }
         }
+        errors.sort_by(f64::total_cmp);
+        let at = |share: f64| errors[(share * (errors.len() - 1) as f64) as usize];
+        println!("errors: median {:.1e}, 95 % {:.1e}", at(0.5), at(0.95));
+        assert!(at(0.5) < median && at(0.95) < most, "{} {}", at(0.5), at(0.95));
     }
-    errors.sort_by(f64::total_cmp);
-    let at = |share: f64| errors[(share * (errors.len() - 1) as f64) as usize];
-    println!("errors: median {:.4}, 95 % {:.4}", at(0.5), at(0.95));
-    // The twin reads the finest level of the map, pixels the mean of what they cover.
-    assert!(at(0.5) < 0.02 && at(0.95) < 0.1, "{} {}", at(0.5), at(0.95));
 }
 
 #[test]

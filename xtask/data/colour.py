@@ -6,6 +6,8 @@ Run:    python3.11 xtask/data/colour.py          (from the repository root)
 
 Writes
   assets/colour/cie1931_2deg.csv    the published 5 nm values, untouched
+  assets/colour/cie1951_scotopic.csv    V′ every 5 nm, untouched
+  tests/truth/illuminants.csv       CIE illuminants A and D65 every 5 nm, untouched
   assets/light/sun_astm_g173.csv    averages over bins 5 nm wide, centred on each wavelength,
                                     of the straight lines that join the published points
 and fails loudly when the tables do not have the properties that they are known for.
@@ -20,7 +22,7 @@ import numpy as np
 sys.path = [p for p in sys.path if Path(p or ".").resolve() != Path(__file__).resolve().parent]  # `import colour` is not us
 warnings.filterwarnings("ignore")  # the package warns that it can neither plot nor use SciPy; neither is needed
 
-from colour.colorimetry import MSDS_CMFS  # noqa: E402
+from colour.colorimetry import MSDS_CMFS, SDS_ILLUMINANTS, SDS_LEFS_SCOTOPIC  # noqa: E402
 from colour.plotting.datasets import SD_ASTMG173_ETR  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -59,6 +61,24 @@ def colour_matching():
     return nm, xyz
 
 
+def scotopic():
+    efficiency = SDS_LEFS_SCOTOPIC["CIE 1951 Scotopic Standard Observer"]
+    nm, value = np.asarray(efficiency.wavelengths), np.asarray(efficiency.values)
+    keep = np.isclose(nm % 5.0, 0.0)
+    nm, value = nm[keep], value[keep]
+    rows = [f"{w:.0f},{v:.12g}" for w, v in zip(nm, value)]
+    write(ROOT / "assets/colour/cie1951_scotopic.csv", "wavelength_nm,v_prime", rows)
+    assert len(nm) == 81 and np.isclose(value[nm == 555][0], 0.402), "683/1699, where rods and cones agree"
+
+
+def illuminants():
+    nm = np.arange(380.0, 781.0, 5.0)
+    rows = []
+    for w in nm:
+        rows.append(f"{w:.0f}," + ",".join(f"{SDS_ILLUMINANTS[name][w]:.12g}" for name in ("A", "D65")))
+    write(ROOT / "tests/truth/illuminants.csv", "wavelength_nm,a,d65", rows)
+
+
 def sunlight(nm, xyz):
     wavelength_nm = np.asarray(SD_ASTMG173_ETR.wavelengths)
     irradiance = np.asarray(SD_ASTMG173_ETR.values)
@@ -81,4 +101,6 @@ def sunlight(nm, xyz):
 
 
 if __name__ == "__main__":
+    scotopic()
+    illuminants()
     sunlight(*colour_matching())

@@ -8,12 +8,14 @@ use himmel_core::colour::rec709_from_xyz;
 use crate::colour::{fit_xyz_from_four, rec709_rows};
 use crate::columns::Columns;
 use crate::irradiance::{Directions, sky_irradiance};
+use crate::light::{Surface, planck_w_m2_sr_nm};
 use crate::medium::{Medium, Sampled};
-use crate::moments::{self, Moments, Quality};
+use crate::moments::{self, Moments, Quality, Scaled};
 use crate::params::{AirParams, AirQuality, GroundParams};
 use crate::preset::Preset;
 use crate::scene_light::SceneLight;
 use crate::single::{March, Ray, enter, march};
+use crate::starlight::{SUN_LIKE_K, Starlight};
 
 /// An atmosphere at four wavelengths, and its tables on the CPU, made when they are first asked for; it does not depend
 /// on where the Sun is.
@@ -26,8 +28,11 @@ pub struct Atmosphere {
     moments: OnceLock<Moments<4>>,
     xyz_from_four: [DVec4; 3],
     scene_light: OnceLock<SceneLight>,
+    scaled: OnceLock<Scaled>,
     /// What the matrix was fitted to.
     fitted_to: Medium,
+    /// What starlight at the four wavelengths is relative to.
+    star_reference: [f64; 4],
 }
 
 impl Atmosphere {
@@ -58,8 +63,10 @@ impl Atmosphere {
             columns: OnceLock::new(),
             moments: OnceLock::new(),
             scene_light: OnceLock::new(),
+            scaled: OnceLock::new(),
             xyz_from_four,
             fitted_to: preset.medium.clone(),
+            star_reference: air.wavelengths_nm().map(|nm| star_reference(preset, nm)),
         }
     }
 
@@ -119,6 +126,16 @@ impl Atmosphere {
         rec709_from_xyz() * self.xyz(four)
     }
 
+    /// How light of stars is carried here.
+    pub fn starlight(&self) -> Starlight {
+        let one = |k: usize| std::array::from_fn(|i| f64::from(u8::from(i == k)));
+        Starlight {
+            wavelengths_nm: self.wavelengths_nm,
+            reference: self.star_reference,
+            luminance: std::array::from_fn(|k| self.xyz(one(k)).y),
+        }
+    }
+
     /// Transmittance from an altitude, within the air or above it, to space. `mu`: cosine of the zenith angle; 0 below
     /// the horizon.
     pub fn sun_transmittance(&self, altitude_m: f64, mu: f64) -> [f64; 4] {
@@ -132,6 +149,21 @@ impl Atmosphere {
         crate::single::sun_transmittance(&self.sampled(), self.columns(), altitude_m, mu)
     }
 
+    /// The same for extended things: what aerosols scatter forward is not lost to them.
+    pub fn extended_transmittance(&self, altitude_m: f64, mu: f64) -> [f64; 4] {
+        let (radius_m, top_m) = (self.medium.bottom_radius_m, self.medium.top_altitude_m);
+        if mu < crate::geometry::horizon_cosine(radius_m, altitude_m) {
+            return [0.0; 4];
+        }
+        match enter(radius_m, top_m, &Ray { altitude_m, mu, mu_s: mu, nu: 1.0 }) {
+            Some(ray) => {
+                let scaled = self.scaled.get_or_init(|| Scaled::new(&self.sampled()));
+                scaled.transmittance(self.columns(), ray.altitude_m, ray.mu)
+            }
+            None => [1.0; 4],
+        }
+    }
+
     /// What a ray through the air sees of light scattered once.
     pub fn march(&self, ray: &Ray, steps: usize) -> March<4> {
         march(&self.sampled(), self.columns(), ray, steps)
@@ -143,9 +175,22 @@ impl Atmosphere {
         moments::radiance(&self.sampled(), self.columns(), self.moments(), ray, steps)
     }
 
+    /// The same of the first `limit_m` metres alone: what the air before something at that distance adds.
+    pub fn radiance_to(&self, ray: &Ray, steps: usize, limit_m: f64) -> [f64; 4] {
+        moments::radiance_to(&self.sampled(), self.columns(), self.moments(), ray, steps, limit_m)
+    }
+
     /// Irradiance from the sky on a level surface at an altitude, per unit irradiance of the Sun.
     pub fn sky_irradiance(&self, altitude_m: f64, mu_s: f64) -> [f64; 4] {
         sky_irradiance(&self.sampled(), self.columns(), altitude_m, mu_s, Directions::FINE)
+    }
+}
+
+/// The light that the preset's star stands for among black bodies, at a wavelength.
+fn star_reference(preset: &Preset, wavelength_nm: f64) -> f64 {
+    match preset.stars.first().map(|star| star.surface) {
+        Some(Surface::BlackBody { temperature_k }) => planck_w_m2_sr_nm(wavelength_nm, temperature_k),
+        Some(Surface::Sun) | None => planck_w_m2_sr_nm(wavelength_nm, SUN_LIKE_K),
     }
 }
 

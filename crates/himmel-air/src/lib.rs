@@ -40,6 +40,7 @@ pub mod scene_light;
 pub mod shadow;
 pub mod sharp;
 pub mod single;
+pub mod starlight;
 pub mod sun;
 
 mod error;
@@ -52,3 +53,4 @@ pub use params::{AirParams, AirQuality, GroundParams, SunParams};
 pub use phase::Phase;
 pub use preset::Preset;
 pub use profile::Profile;
+pub use starlight::Starlight;

@@ -63,7 +63,7 @@ pub fn irradiance_of<const N: usize>(radiance: &[[f64; N]; 9], normal: DVec3) ->
 }
 
 /// Light of sky and ground at a place, per unit irradiance of the star above the air.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Default, Clone, Copy, Debug, PartialEq)]
 pub struct Ambient {
     /// By the sky on a level surface that faces up, the aureole included.
     pub down: [f64; 4],
@@ -231,6 +231,25 @@ fn scattering_distance_m(medium: &Medium, altitude_m: f64, mu: f64) -> f64 {
 }
 
 impl Ambient {
+    /// Of a star of an irradiance by wavelength.
+    pub fn times(&self, irradiance: [f64; 4]) -> Self {
+        let by = |four: [f64; 4]| std::array::from_fn(|k| four[k] * irradiance[k]);
+        Self {
+            down: by(self.down),
+            up: by(self.up),
+            zenith_per_sr: by(self.zenith_per_sr),
+            harmonics: self.harmonics.map(by),
+        }
+    }
+
+    /// Light of any sky: `rays` calls its argument with unit vectors (east-north-up), solid angles and radiances. The zenith stays 0.
+    pub fn gathered(rays: impl FnOnce(&mut dyn FnMut(DVec3, f64, [f64; 4]))) -> Self {
+        let mut sum = Self::default();
+        rays(&mut |direction, weight, light| sum.add(direction, light.map(|l| l * weight)));
+        sum.settle();
+        sum
+    }
+
     /// Changes the harmonics by the least (in the mean square of irradiance over all normals) that gives surfaces facing
     /// up and down exactly their irradiance.
     ///

@@ -9,6 +9,9 @@ pub const SUN_RADIUS_M: f64 = 695_700_000.0;
 /// Luminous efficacy of monochromatic radiation of 540 THz in lm/W, exact by definition [si2019].
 pub const LUMINOUS_EFFICACY_LM_W: f64 = 683.0;
 
+/// Illuminance above the air of a star of V = 0, lx [allen1973].
+pub const ILLUMINANCE_OF_V_0_LX: f64 = 2.54e-6;
+
 /// One Dobson unit: molecules in a vertical column of one square metre [iup_dobson].
 pub const DOBSON_UNIT_PER_M2: f64 = 2.686_780_111e20;
 

@@ -14,3 +14,4 @@ pub mod interpolate;
 pub mod params;
 pub mod quadrature;
 pub mod spectrum;
+pub mod vision;

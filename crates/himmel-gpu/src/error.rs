@@ -25,6 +25,9 @@ pub enum GpuError {
     /// The air has more to it than the renderer takes.
     #[error("the air {0}")]
     Air(String),
+    /// Saved tables do not fit, or cannot be saved.
+    #[error("the air's tables: {0}")]
+    Tables(String),
     /// The picture's size is out of bounds.
     #[error(
         "the picture must be 1 to {max} pixels wide and high and hold at most {max_pixels} pixels, got {width}x{height}"

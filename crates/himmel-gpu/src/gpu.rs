@@ -71,7 +71,8 @@ fn draws_floats(adapter: &wgpu::Adapter) -> bool {
 impl Gpu {
     /// Opens the fastest adapter, or the first whose name contains `wanted` (any case): `llvmpipe`, `nvidia`.
     ///
-    /// Asks for no feature that WebGPU does not guarantee; takes time stamps where they are offered.
+    /// Asks for no feature that WebGPU does not guarantee; takes time stamps and blending of 32-bit floats where they are
+    /// offered.
     pub fn open(wanted: Option<&str>) -> Result<Self, GpuError> {
         let adapters = adapters();
         let describe = |adapter: &wgpu::Adapter| {
@@ -98,7 +99,8 @@ impl Gpu {
         };
         let device = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("himmel"),
-            required_features: adapter.features() & wgpu::Features::TIMESTAMP_QUERY,
+            required_features: adapter.features()
+                & (wgpu::Features::TIMESTAMP_QUERY | wgpu::Features::FLOAT32_BLENDABLE),
             required_limits: wgpu::Limits::downlevel_defaults().using_resolution(adapter.limits()),
             ..Default::default()
         }));

@@ -24,9 +24,16 @@ mod view;
 pub use error::GpuError;
 pub use frame::MOST_LIGHTS;
 pub use gpu::{AdapterReport, Gpu};
-pub use output::params::{Exposure, OutputParams, Tonemap};
+pub use output::bloom::{BloomFrame, BloomPass};
+pub use output::params::{Adaptation, Bloom, Exposure, OutputParams, Tonemap};
 pub use phenomena::air::build::{Pace, Rebuild};
-pub use phenomena::air::{AirSizes, ApplyAir, RayAnswer, RayMeter, ShadowMap};
+pub use phenomena::air::{AirSizes, ApplyAir, RayAnswer, RayMeter, ShadowMap, TablesKey, TablesReadBack};
+pub use phenomena::night_glow::NightGlow;
+pub use phenomena::overlay::{LineKind, LineList, LinePiece, Overlay, OverlayParams};
+pub use phenomena::planets::{PlanetDisc, PlanetsParams};
+pub use phenomena::stars::{
+    Glare, Hider, MOST_BODIES, PointBody, PointSpread, StarField, StarList, StarPoint, StarsParams,
+};
 pub use phenomena::sun::Occluder;
 pub use renderer::{FrameState, SkyRenderer, SunState};
 pub use still::{MAX_PIXELS, MAX_SIDE, Picture, Pixels, Still};

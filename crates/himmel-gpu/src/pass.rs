@@ -16,6 +16,8 @@ pub(crate) enum Slot {
     Filtered,
     /// A table that a sampler filters.
     FilteredTable,
+    /// Layers of whole numbers.
+    Codes,
     /// A sampler that filters.
     Sampler,
     /// Depth, read texel by texel.
@@ -53,6 +55,7 @@ fn entry(binding: u32, slot: Slot, visibility: wgpu::ShaderStages) -> wgpu::Bind
         Slot::Layers => texture(float, TextureViewDimension::D2Array),
         Slot::Filtered => texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2Array),
         Slot::FilteredTable => texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2),
+        Slot::Codes => texture(TextureSampleType::Uint, TextureViewDimension::D2Array),
         Slot::Sampler => BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         Slot::Volume => texture(float, TextureViewDimension::D3),
         Slot::Depth => texture(TextureSampleType::Depth, TextureViewDimension::D2),

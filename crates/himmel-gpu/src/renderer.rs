@@ -6,18 +6,22 @@ use std::sync::{Arc, OnceLock};
 use glam::DVec3;
 use himmel_air::eclipse::Shadow;
 use himmel_air::refraction::Bending;
-use himmel_air::{AirQuality, Atmosphere, sun};
+use himmel_air::{AirQuality, Atmosphere, Starlight, sun};
 use wgpu::util::StagingBelt;
 
 use crate::error::GpuError;
 use crate::frame::{FrameUniform, LightUniform, MOST_LIGHTS, ViewUniform};
-use crate::output::meter::{self, Meter};
+use crate::output::meter::{self, Meter, MeterUniform};
 use crate::output::params::{OutputParams, Tonemap};
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
-use crate::phenomena::air::{Air, Apply, ApplyAir, view_slot};
+use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::cleared;
 use crate::phenomena::moon::{MoonState, MoonTextures, MoonUniform};
+use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
+use crate::phenomena::overlay::{Lines, Overlay};
+use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
+use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::target::{DepthDirection, Output, Target};
 use crate::tiles::{Needs, TileLight, Tiles};
@@ -56,17 +60,47 @@ pub struct FrameState {
     pub bending: Arc<Bending>,
     /// The Moon's disc; as a light it is one of the other suns.
     pub moon: Option<MoonState>,
+    /// The stars; `None`: there are none.
+    pub stars: Option<StarField>,
+    /// Points of light besides stars; at most 128.
+    pub bodies: Vec<PointBody>,
+    /// Planets among them whose discs may be seen; at most 8.
+    pub planets: Vec<PlanetDisc>,
+    /// Discs that hide points; at most 4.
+    pub hiders: Vec<Hider>,
+    /// The night's own glow; none by day, when nobody sees it.
+    pub night: Option<NightGlow>,
+    /// Lines over the sky.
+    pub overlay: Option<Overlay>,
     /// Altitude of the observer above the ground sphere, m.
     pub altitude_m: f64,
     /// Exposure and tone mapping.
     pub output: OutputParams,
+    /// Real seconds since the last frame, for [`Adaptation`](crate::Adaptation); `None`: adapted at once.
+    pub seconds: Option<f64>,
 }
 
 impl FrameState {
     /// One sun, nothing before it, nothing bent.
     pub fn new(sun: SunState, altitude_m: f64, output: OutputParams) -> Self {
         let bending = Arc::new(Bending::none());
-        Self { sun, other_suns: Vec::new(), occluder: None, shadow: None, bending, moon: None, altitude_m, output }
+        Self {
+            sun,
+            other_suns: Vec::new(),
+            occluder: None,
+            shadow: None,
+            bending,
+            stars: None,
+            bodies: Vec::new(),
+            planets: Vec::new(),
+            hiders: Vec::new(),
+            moon: None,
+            night: None,
+            overlay: None,
+            altitude_m,
+            output,
+            seconds: None,
+        }
     }
 
     /// All suns, the first one first.
@@ -78,6 +112,18 @@ impl FrameState {
         let count = self.suns().count();
         if count > MOST_LIGHTS {
             return Err(GpuError::View(format!("a frame has at most {MOST_LIGHTS} suns, got {count}")));
+        }
+        if self.planets.len() > MOST_DISCS || self.planets.iter().any(|planet| planet.body >= self.bodies.len()) {
+            return Err(GpuError::View(format!(
+                "a frame has at most {MOST_DISCS} planets, each of them among its points"
+            )));
+        }
+        if self.bodies.len() > MOST_BODIES || self.hiders.len() > MOST_HIDERS {
+            return Err(GpuError::View(format!(
+                "a frame has at most {MOST_BODIES} points besides stars and {MOST_HIDERS} discs before them, got {} and {}",
+                self.bodies.len(),
+                self.hiders.len()
+            )));
         }
         let finite = |sun: &SunState| {
             sun.direction.is_finite()
@@ -103,7 +149,7 @@ struct Standing {
     up: DVec3,
     altitude_m: f64,
     /// Its tiles by what they need.
-    tiles: [Range<u32>; 5],
+    tiles: [Range<u32>; 6],
 }
 
 /// Staging buffers that frames use in turn: three frames may be recorded before the first is submitted.
@@ -123,6 +169,7 @@ pub struct SkyRenderer {
     meter: Meter,
     air: Air,
     moon: MoonTextures,
+    night: NightTextures,
     default_quality: AirQuality,
     pace: Pace,
     frame_buffer: wgpu::Buffer,
@@ -133,6 +180,9 @@ pub struct SkyRenderer {
     view_stride: u64,
     capacity: usize,
     prepared: usize,
+    points: Points,
+    lines: Lines,
+    starlight: Starlight,
     /// Made when air is first applied to a host's picture.
     apply: Option<Apply>,
     /// The prepared views, the number of lights, the tone mapper.
@@ -140,12 +190,13 @@ pub struct SkyRenderer {
     lights: u32,
     tonemap: Tonemap,
     eclipsed: bool,
+    by_night: bool,
     occluded: bool,
     with_moon: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     /// Of the metering view and each prepared one: its tiles by what they need.
-    tiles: Vec<[Range<u32>; 5]>,
+    tiles: Vec<[Range<u32>; 6]>,
     uploads: Uploads,
     /// The part of the frame's uniform that follows from the medium.
     colours: FrameUniform,
@@ -208,18 +259,21 @@ impl SkyRenderer {
         let frame_buffer = uniform_buffer(device, "sky frame", size_of::<FrameUniform>() as u64);
         let sizes = Air::sizes_of(atmosphere.quality().unwrap_or(default_quality), atmosphere.steps());
         let air = Air::new(device, queue, sizes, atmosphere, &frame_buffer, meter.exposure_view())?;
-        let view_layout = layout(
-            device,
-            "sky view",
-            wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE,
-            &[(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)],
-        );
+        let view_slots: Vec<_> = [(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)]
+            .into_iter()
+            .chain(NightTextures::SLOTS)
+            .collect();
+        let view_layout =
+            layout(device, "sky view", wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE, &view_slots);
+        let night = NightTextures::new(device);
         let moon = MoonTextures::new(device, queue);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
             bind_group_layouts: &[Some(&air.layout), Some(&view_layout), None, Some(&moon.layout)],
             immediate_size: 0,
         });
+        let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
+        let lines = Lines::new(device, target, [&air.layout, &view_layout]);
         let pipelines = Pipelines {
             device: device.clone(),
             target: *target,
@@ -238,7 +292,7 @@ impl SkyRenderer {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler);
+        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler, &night);
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
@@ -248,6 +302,7 @@ impl SkyRenderer {
             meter,
             air,
             moon,
+            night,
             default_quality,
             // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
             pace: Pace::Samples(if software { 5e5 } else { 1e7 }),
@@ -259,11 +314,15 @@ impl SkyRenderer {
             view_stride,
             capacity: FIRST_CAPACITY,
             prepared: 0,
+            points,
+            lines,
+            starlight: atmosphere.starlight(),
             apply: None,
             views: Vec::new(),
             lights: 1,
             tonemap: OutputParams::default().tonemap,
             eclipsed: false,
+            by_night: false,
             occluded: false,
             with_moon: false,
             marching: Vec::new(),
@@ -310,13 +369,16 @@ impl SkyRenderer {
             limb_darkening,
             ..FrameUniform::default()
         };
+        self.starlight = atmosphere.starlight();
+        self.points.set_air(self.air.constants());
         self.bottom_radius_m = atmosphere.medium().bottom_radius_m;
         self.top_altitude_m = atmosphere.medium().top_altitude_m;
     }
 
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
-        self.view_group = view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler);
+        self.view_group =
+            view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler, &self.night);
     }
 
     /// The target it draws to.
@@ -326,7 +388,8 @@ impl SkyRenderer {
 
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.air.bytes() + self.moon.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
+        let own = self.air.bytes() + self.moon.bytes() + self.night.bytes() + self.points.bytes();
+        own + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
     /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
@@ -337,6 +400,35 @@ impl SkyRenderer {
     /// Ends a rebuild where it is: the sky keeps the orders of scattering that it shows.
     pub fn cancel_rebuild(&mut self) {
         self.air.cancel();
+    }
+
+    /// What the air's tables are made of: two of one key are the same to the last bit.
+    pub fn tables_key(&self) -> Result<TablesKey, GpuError> {
+        self.air.key(&self.device)
+    }
+
+    /// Reads the air's finished tables back, to be saved and given to [`load_tables`](Self::load_tables) another time. An
+    /// error while they are rebuilt, or after a rebuild that was cancelled. Call when the frames that filled them are
+    /// submitted.
+    pub fn save_tables(&self) -> Result<TablesReadBack, GpuError> {
+        self.air.save(&self.device, &self.queue)
+    }
+
+    /// Takes tables that were saved instead of rebuilding them. They must be whole and of the same
+    /// [`key`](Self::tables_key); on an error nothing has changed and the rebuild goes on.
+    pub fn load_tables(&mut self, bytes: &[u8]) -> Result<(), GpuError> {
+        self.air.load(&self.device, &self.queue, bytes)
+    }
+
+    /// How many airs keep their finished tables on the GPU when [`set_atmosphere`](Self::set_atmosphere) takes another: to
+    /// switch between prepared ones without a rebuild. None at first; the one least recently left goes first.
+    pub fn set_kept(&mut self, count: usize) {
+        self.air.set_kept(count);
+    }
+
+    /// Memory of the tables that are kept, in bytes; [`table_bytes`](Self::table_bytes) has it too.
+    pub fn kept_bytes(&self) -> u64 {
+        self.air.kept_bytes()
     }
 
     /// How much of a rebuild each frame does.
@@ -418,6 +510,7 @@ impl SkyRenderer {
         }
         let lights = frame.suns().count() as u32;
         stale |= self.air.reserve(&self.device, stations.len() as u32, lights);
+        stale |= frame.night.as_ref().is_some_and(|night| self.night.hold(&self.device, &self.queue, night));
         if stale {
             self.bind_views();
         }
@@ -425,12 +518,20 @@ impl SkyRenderer {
         let exposure = frame.output.exposure_for(self.target.output).factor();
         let uniform = self.frame_uniform(frame, exposure);
         self.uploads.write(encoder, &self.frame_buffer, 0, bytemuck::bytes_of(&uniform));
+        let metering = MeterUniform::new(&frame.output, frame.seconds);
+        self.uploads.write(encoder, &self.meter.uniform, 0, bytemuck::bytes_of(&metering));
         for (slot, uniform) in uniforms.iter().enumerate() {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
         }
         if let Some(moon) = &frame.moon {
             self.moon.hold(&self.device, &self.queue, moon);
+        }
+        let marching: Vec<bool> = uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0).collect();
+        self.prepare_points(encoder, frame, views, &marching, lights > 1)?;
+        if let Some(night) = &frame.night {
+            let uniform = NightUniform::new(night);
+            self.uploads.write(encoder, &self.night.buffer, 0, bytemuck::bytes_of(&uniform));
         }
         self.record_build(encoder);
         self.uploads.finish();
@@ -454,19 +555,55 @@ impl SkyRenderer {
         self.lights = lights;
         self.tonemap = frame.output.tonemap;
         self.eclipsed = frame.shadow.is_some();
+        self.by_night = frame.night.is_some();
         self.occluded = frame.occluder.is_some();
         self.with_moon = frame.moon.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
-        self.marching.clear();
-        self.marching.extend(uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0));
+        self.marching = marching;
         match exposure {
-            None => self.record_metering(encoder, stamps),
+            None => self.record_metering(encoder, stamps.as_deref_mut()),
             Some(factor) => self.meter.set(encoder, factor),
+        }
+        if self.points.any() {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("points"),
+                timestamp_writes: stamps.and_then(|stamps| stamps.next_compute("points")),
+            });
+            self.points.record(&mut pass, &|pass, view_index| {
+                pass.set_bind_group(0, &self.air.group, &[]);
+                pass.set_bind_group(1, &self.view_group, &[((view_index as u64 + 1) * self.view_stride) as u32]);
+            });
         }
         self.prepared = views.len();
         Ok(())
+    }
+
+    fn prepare_points(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameState,
+        views: &[View],
+        marching: &[bool],
+        several_lights: bool,
+    ) -> Result<(), GpuError> {
+        let scene = PointsScene {
+            stars: frame.stars.as_ref(),
+            bodies: &frame.bodies,
+            planets: &frame.planets,
+            hiders: &frame.hiders,
+            bending: &frame.bending,
+            altitude_m: frame.altitude_m,
+            several_lights,
+            eclipsed: frame.shadow.is_some(),
+            tonemap: frame.output.tonemap,
+        };
+        let Self { points, lines, queue, starlight, uploads, .. } = self;
+        let mut write =
+            |buffer: &wgpu::Buffer, offset: u64, bytes: &[u8]| uploads.write(encoder, buffer, offset, bytes);
+        points.prepare(queue, &scene, starlight, views, marching, &mut write)?;
+        lines.prepare(queue, frame.overlay.as_ref(), points.lift(), views, &mut write)
     }
 
     /// Limb darkening of the Sun at the four wavelengths.
@@ -513,6 +650,8 @@ impl SkyRenderer {
                 }
             }
         }
+        self.points.draw(pass, view_index);
+        self.lines.draw(pass, view_index);
     }
 
     /// Puts the air before a picture that the host has drawn from a prepared view: attenuates its colours (linear
@@ -582,6 +721,7 @@ impl SkyRenderer {
             several_lights: self.lights > 1,
             tonemap: self.tonemap,
             eclipsed: self.eclipsed,
+            night: self.by_night,
             occluded: self.occluded,
             moon: self.with_moon,
         }
@@ -650,16 +790,20 @@ impl SkyRenderer {
         let tile_lights: Vec<TileLight> = (frame.suns().zip(reaches))
             .map(|(sun, reach)| TileLight {
                 direction: Some(sun.direction.normalize_or(DVec3::Z)),
+                moon: false,
                 disc_direction: sun.disc_direction.normalize_or(DVec3::Z),
                 reach_rad: reach * sun.radius_rad,
             })
             .chain(frame.moon.iter().map(|moon| TileLight {
                 direction: None,
+                moon: true,
                 disc_direction: moon.disc_direction.normalize_or(DVec3::Z),
                 reach_rad: 1.1 * moon.radius_rad,
             }))
             .collect();
         let tiles = Tiles::new(view, up, horizon, &tile_lights);
+        let [icrs_from_view, ecliptic_from_view] =
+            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu));
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
         // An eclipse is not the same on both sides of the Sun.
         let sky_view = u32::from(within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none());
@@ -687,6 +831,8 @@ impl SkyRenderer {
             horizon: horizon as f32,
             horizon_mu: horizon.sin() as f32,
             rectangles: tiles.rectangles,
+            icrs_from_view,
+            ecliptic_from_view,
             lights,
             disc: DiscUniform::new(
                 frame.sun.direction.normalize_or(DVec3::Z),
@@ -720,10 +866,12 @@ fn view_group(
     buffer: &wgpu::Buffer,
     air: &Air,
     sampler: &wgpu::Sampler,
+    night: &NightTextures,
 ) -> wgpu::BindGroup {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
     let bound = [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
+    let bound: Vec<_> = bound.into_iter().chain(night.bound()).collect();
     bind(device, "sky view", layout, &bound)
 }
 
@@ -740,6 +888,8 @@ enum Variant {
     Aureole,
     /// Tiles near a light and at the horizon.
     Both,
+    /// Tiles with the Moon, off the horizon and far from other discs.
+    Moon,
     /// Tiles with a disc.
     Everything,
     /// The metering picture, marching.
@@ -749,9 +899,10 @@ enum Variant {
 }
 
 impl Variant {
-    const COUNT: usize = 8;
+    const COUNT: usize = 9;
     /// Those that draw a picture from the table together, in the order of [`Needs::SETS`].
-    const TILED: [Self; 5] = [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Everything];
+    const TILED: [Self; 6] =
+        [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Moon, Self::Everything];
 
     fn tiled(self) -> bool {
         Self::TILED.contains(&self)
@@ -784,7 +935,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 32 * Tonemap::ALL.len()];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 64 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -799,8 +950,10 @@ struct Kind {
     eclipsed: bool,
     /// … and for its disc.
     occluded: bool,
-    /// Whether the Moon is in the picture: asked by pipelines with discs only.
+    /// Whether the Moon is in the picture: asked by pipelines that may draw it only.
     moon: bool,
+    /// Whether the night glows.
+    night: bool,
 }
 
 fn none_made() -> Made {
@@ -811,7 +964,7 @@ impl Pipelines {
     /// Makes what the next frame of a matrix projection needs.
     fn make(&self, marching: bool) {
         let variants: &[Variant] = if marching { &[Variant::Marching] } else { &Variant::TILED };
-        for variant in variants {
+        for variant in variants.iter().filter(|variant| **variant != Variant::Moon) {
             self.get(
                 *variant,
                 Kind {
@@ -819,6 +972,7 @@ impl Pipelines {
                     several_lights: false,
                     tonemap: OutputParams::default().tonemap,
                     eclipsed: false,
+                    night: false,
                     occluded: false,
                     moon: false,
                 },
@@ -827,13 +981,14 @@ impl Pipelines {
     }
 
     fn get(&self, variant: Variant, kind: Kind) -> &wgpu::RenderPipeline {
-        let kind = Kind { moon: kind.moon && variant.has().disc, ..kind };
+        let kind = Kind { moon: kind.moon && variant.has().moon, ..kind };
         let at = usize::from(kind.linear)
             + 2 * usize::from(kind.several_lights)
             + 4 * usize::from(kind.eclipsed)
             + 8 * usize::from(kind.occluded)
-            + 16 * usize::from(kind.moon)
-            + 32 * kind.tonemap as usize;
+            + 16 * usize::from(kind.night)
+            + 32 * usize::from(kind.moon)
+            + 64 * kind.tonemap as usize;
         self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
@@ -853,7 +1008,7 @@ fn sky_pipeline(
 ) -> wgpu::RenderPipeline {
     let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
     let on = |yes: bool| f64::from(u8::from(yes));
-    let Needs { horizon, aureole, disc } = variant.has();
+    let Needs { horizon, aureole, disc, moon: _ } = variant.has();
     let marching = ("marching", on(variant.marching()));
     let metering = ("metering", on(variant.metering()));
     let vertex_constants =
@@ -866,6 +1021,7 @@ fn sky_pipeline(
         ("finished", on(target.output == Output::Display)),
         ("several_lights", on(kind.several_lights)),
         ("eclipses", on(kind.eclipsed)),
+        ("night", on(kind.night)),
         ("occluded", on(kind.occluded)),
         ("with_moon", on(kind.moon)),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),

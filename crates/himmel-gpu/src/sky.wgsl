@@ -2,6 +2,7 @@
 // star map, stars, planets, Moon, air with Sun, clouds.
 
 //#include "phenomena/air/sky_view_table.wgsl"
+//#include "phenomena/night_glow/night_glow.wgsl"
 //#include "phenomena/sun/sun.wgsl"
 //#include "phenomena/moon/moon.wgsl"
 //#include "output/tonemap.wgsl"
@@ -29,9 +30,11 @@ override several_lights: bool = false;
 
 // Whether the Moon is in the picture.
 override with_moon: bool = false;
+// Whether the night's own glow is drawn.
+override night: bool = false;
 
 // Cells along the sides of a picture; the same in tiles.rs.
-const CELLS: vec2u = vec2u(80u, 56u);
+const CELLS: vec2u = vec2u(64u, 72u);
 
 struct SkyVertex {
     @builtin(position) position: vec4f,
@@ -66,7 +69,8 @@ fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instan
     return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc, exposure, from_table);
 }
 
-// The look direction of a point of the picture in view space; zero outside the picture (fisheye).
+// The look direction of a point of the picture in view space; it goes on beyond the edge of a fisheye, so that derivatives
+// there are right.
 fn look_direction(ndc: vec2f) -> vec3f {
     if linear {
         return normalize(view.ray_origin + view.ray_x * ndc.x + view.ray_y * ndc.y);
@@ -76,9 +80,6 @@ fn look_direction(ndc: vec2f) -> vec3f {
             // Fisheye: the angle from the axis grows evenly with the distance from the centre.
             let p = ndc * vec2f(view.aspect, 1.0);
             let angle = length(p) * view.half_angle;
-            if angle > min(view.half_angle, PI) {
-                return vec3f(0.0);
-            }
             let direction = p / max(length(p), 1e-9);
             return vec3f(direction * sin(angle), -cos(angle));
         }
@@ -94,6 +95,14 @@ fn look_direction(ndc: vec2f) -> vec3f {
     }
 }
 
+// Share of a pixel (its side in ndc) that lies within the picture: the edge of a fisheye is smoothed as horizon and discs are.
+fn inside(ndc: vec2f, pixel: f32) -> f32 {
+    if linear || view.projection != 1u {
+        return 1.0;
+    }
+    return clamp(0.5 + (1.0 - length(ndc * vec2f(view.aspect, 1.0))) / max(pixel, 1e-9), 0.0, 1.0);
+}
+
 // Radiance along a ray with zenith cosine mu, all lights. `below`: whether it meets the ground.
 fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
     var sum = light_radiance(0u, from_table.x, ray, dx, dy, mu, sin_theta, below);
@@ -102,8 +111,15 @@ fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, si
             sum += light_radiance(light, from_table[light], ray, dx, dy, mu, sin_theta, below);
         }
     }
-    if with_moon && with_disc && !below {
-        sum += transmittance_behind(mu, sin_theta) * moon_light(ray, dx, dy).radiance;
+    var moon = MoonLight(vec4f(0.0), 0.0);
+    if with_moon && !below {
+        moon = moon_light(ray, dx, dy);
+        moon.radiance *= transmittance_behind(mu, sin_theta);
+    }
+    if night {
+        sum += night_radiance(ray, dx, mu, sin_theta, below, !marching, 1.0 - moon.cover);
+    }
+    sum += moon.radiance;
     }
     return sum;
 }
@@ -194,13 +210,13 @@ fn sky_luminance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
 @fragment
 fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     let look = look_direction(in.ndc);
-    // Derivatives are taken before anything branches. Where the picture tears (the seam of an equirectangular one, the
-    // edge of a fisheye) they are the tear: no pixel spans more than 0.2.
+    // Derivatives are taken before anything branches. No pixel counts as wider than 0.2.
     var dx = dpdx(look);
     var dy = dpdy(look);
     dx *= min(1.0, 0.2 / max(length(dx), 1e-9));
     dy *= min(1.0, 0.2 / max(length(dy), 1e-9));
-    if dot(look, look) < 0.5 {
+    let share = inside(in.ndc, abs(dpdy(in.ndc.y)));
+    if share <= select(0.0, 0.5, metering) {
         // Nothing: the corners of a fisheye.
         return vec4f(0.0);
     }
@@ -208,12 +224,12 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     if metering {
         return vec4f(luminance, 1.0);
     }
-    luminance *= in.exposure;
+    luminance *= share * in.exposure;
     if finished == 0u {
         return vec4f(clamp(luminance, vec3f(-frame.largest), vec3f(frame.largest)), 1.0);
     }
     // 1e30 keeps the tone mappers finite; negative values are colours outside Rec. 709.
-    var encoded = tonemap(frame.tonemap, clamp(luminance, vec3f(0.0), vec3f(1e30)));
+    var encoded = tonemap(frame.tonemap, clamp(luminance, vec3f(0.0), vec3f(1e30)), in.exposure);
     if frame.dither_levels > 0.0 {
         encoded += triangular_noise(vec2u(in.position.xy + view.pixel)) / frame.dither_levels;
     }

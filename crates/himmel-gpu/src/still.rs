@@ -143,7 +143,8 @@ impl Still {
                 part_h * tile_h / h,
             ];
             let first_pixel = [view.first_pixel[0].saturating_add(x), view.first_pixel[1].saturating_add(y)];
-            let view = View { part, first_pixel, ..*view };
+            let rows_px = (f64::from(height) / view.part[3]).round() as u32;
+            let view = View { part, first_pixel, rows_px, ..*view };
             (reading, times) = self.draw_tile(frame, &view)?;
             self.read_tile(&mut pixels, (width, height), (x, y))?;
             if !progress(f64::from(index + 1) / f64::from(columns * rows)) {

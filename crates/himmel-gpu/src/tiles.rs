@@ -10,13 +10,16 @@ use glam::DVec3;
 
 use crate::view::View;
 
-/// Tiles along the sides of a picture.
-const TILES: [usize; 2] = [20, 14];
+/// Tiles along the sides of a picture. Cells are whole pixels in 1280 × 720, 1920 × 1080 and their multiples: drivers place
+/// corners at sixteenths of a pixel (SwiftShader) or finer, and what is interpolated between them is off by half of that,
+/// which shows at the horizon.
+const TILES: [usize; 2] = [16, 18];
 /// Tiles with a disc or the horizon are divided into so many cells a side, as far as there is room for the rectangles.
 const DIVISION: usize = 4;
 /// Cells along the sides of a picture; the same in `sky.wgsl`.
 const CELLS: [usize; 2] = [TILES[0] * DIVISION, TILES[1] * DIVISION];
-/// A disc smaller than a pixel is widened to one: room for it, as a share of a tile's reach. Enough from 40 pixels on.
+/// Room for what reaches out of its cell into pixels beside it, as a share of a tile's reach. Enough from 40 pixels on:
+/// a disc smaller than a pixel is widened to one; the horizon is mixed over a pixel.
 const WIDENED: f64 = 0.4;
 
 /// Angle to a light up to which its aureole is drawn, rad; the same in `sky_view_table.wgsl`.
@@ -31,17 +34,22 @@ pub(crate) struct Needs {
     pub aureole: bool,
     /// The disc of a light; with it always everything.
     pub disc: bool,
+    /// The Moon's disc.
+    pub moon: bool,
 }
 
 impl Needs {
     /// All of it.
-    pub(crate) const ALL: Self = Self { horizon: true, aureole: true, disc: true };
+    pub(crate) const ALL: Self = Self { horizon: true, aureole: true, disc: true, moon: true };
+    /// The Moon by itself; at night it is one of the lights that have an aureole.
+    const MOON: Self = Self { horizon: false, aureole: true, disc: false, moon: true };
     /// Every set of needs that a tile may have, cheapest first.
-    pub(crate) const SETS: [Self; 5] = [
-        Self { horizon: false, aureole: false, disc: false },
-        Self { horizon: true, aureole: false, disc: false },
-        Self { horizon: false, aureole: true, disc: false },
-        Self { horizon: true, aureole: true, disc: false },
+    pub(crate) const SETS: [Self; 6] = [
+        Self { horizon: false, aureole: false, disc: false, moon: false },
+        Self { horizon: true, aureole: false, disc: false, moon: false },
+        Self { horizon: false, aureole: true, disc: false, moon: false },
+        Self { horizon: true, aureole: true, disc: false, moon: false },
+        Self::MOON,
         Self::ALL,
     ];
 }
@@ -50,6 +58,8 @@ impl Needs {
 pub(crate) struct TileLight {
     /// Unit vector towards it, east-north-up: its aureole; `None`: it has none.
     pub direction: Option<DVec3>,
+    /// Whether it is the Moon's disc.
+    pub moon: bool,
     /// Unit vector towards its disc.
     pub disc_direction: DVec3,
     /// Radius of all that is drawn with the disc, rad.
@@ -60,9 +70,9 @@ pub(crate) struct TileLight {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Tiles {
     /// First and last corner in cells: x₀, y₀, x₁, y₁ a byte each, from the lowest.
-    pub rectangles: [[[u32; 4]; 14]; 5],
+    pub rectangles: [[[u32; 4]; 12]; 6],
     /// Which rectangles have each of [`Needs::SETS`].
-    pub ranges: [Range<u32>; 5],
+    pub ranges: [Range<u32>; 6],
 }
 
 /// As many as there are tiles: undivided ones always have room.
@@ -102,7 +112,7 @@ impl Tiles {
             }
             done.append(&mut open);
             for corners in done {
-                let place = (count < MOST_RECTANGLES).then_some([count / 56, count / 4 % 14, count % 4])?;
+                let place = (count < MOST_RECTANGLES).then_some([count / 48, count / 4 % 12, count % 4])?;
                 let packed = corners.iter().rev().fold(0, |sum, &value| sum << 8 | value as u32);
                 tiles.rectangles[place[0]][place[1]][place[2]] = packed;
                 count += 1;
@@ -118,7 +128,7 @@ struct Around<'a> {
     up: DVec3,
     horizon: f64,
     lights: &'a [TileLight],
-    /// Room for discs that are widened to a pixel, rad.
+    /// Room for what is widened to a pixel, rad.
     widened: f64,
 }
 
@@ -157,14 +167,21 @@ impl Around<'_> {
         // Outside a fisheye, or so wide that nothing can be told.
         let Some(middle) = middle.filter(|_| reach <= 1.0) else { return Needs::ALL };
         let near = |direction: DVec3, angle: f64| angle > PI || middle.dot(direction) > angle.cos();
-        if self.lights.iter().any(|light| near(light.disc_direction, light.reach_rad + self.widened + reach)) {
+        let disc = |light: &&TileLight| near(light.disc_direction, light.reach_rad + self.widened + reach);
+        let (moons, others): (Vec<_>, Vec<_>) = self.lights.iter().filter(disc).partition(|light| light.moon);
+        if !others.is_empty() {
             return Needs::ALL;
         }
         let elevation = middle.dot(self.up).clamp(-1.0, 1.0).asin();
+        let horizon = (elevation - self.horizon).abs() <= reach + self.widened;
+        if !moons.is_empty() {
+            return if horizon { Needs::ALL } else { Needs::MOON };
+        }
         Needs {
-            horizon: (elevation - self.horizon).abs() <= reach,
+            horizon,
             aureole: self.lights.iter().filter_map(|light| light.direction).any(|light| near(light, AUREOLE_TO + reach)),
             disc: false,
+            moon: false,
         }
     }
 }
@@ -195,7 +212,7 @@ mod tests {
         let mut by = vec![Vec::new(); CELLS[0] * CELLS[1]];
         for (set, range) in tiles.ranges.iter().enumerate() {
             for index in range.clone().map(|index| index as usize) {
-                let packed = tiles.rectangles[index / 56][index / 4 % 14][index % 4];
+                let packed = tiles.rectangles[index / 48][index / 4 % 12][index % 4];
                 let [x0, y0, x1, y1] = packed.to_le_bytes().map(usize::from);
                 for y in y0..y1 {
                     for x in x0..x1 {
@@ -219,19 +236,19 @@ mod tests {
             let view = View::looking(6.3 * random(), 3.0 * random() - 1.5, 0.05 + 2.5 * random(), 1.6);
             let direction = view.direction([2.0 * random() - 1.0, 2.0 * random() - 1.0]).unwrap();
             let up = DVec3::new(random() - 0.5, random() - 0.5, 1.0).normalize();
-            let light = TileLight { direction: Some(direction), disc_direction: direction, reach_rad: 0.005 };
+            let light = TileLight { direction: Some(direction), moon: false, disc_direction: direction, reach_rad: 0.005 };
             let tiles = Tiles::new(&view, up, -0.01, &[light]);
             let by = drawn(&tiles);
             assert!(by.iter().all(|by| by.len() == 1));
             // The cell with the disc, one on the horizon, one in the aureole.
             let widened = 0.0;
-            let light = TileLight { direction: Some(direction), disc_direction: direction, reach_rad: 0.005 };
+            let light = TileLight { direction: Some(direction), moon: false, disc_direction: direction, reach_rad: 0.005 };
             let around = Around { up, horizon: -0.01, lights: &[light], widened };
             for (index, by) in by.iter().enumerate() {
                 let place = [index % CELLS[0], index / CELLS[0]].map(|x| (x as f64 + 0.5) / DIVISION as f64);
                 let point = around.needs(at(&view, place), 0.0);
                 let tile = by[0];
-                assert!(tile.disc || !point.disc && tile.horizon >= point.horizon && tile.aureole >= point.aureole);
+                assert!(tile.disc || !point.disc && tile.moon >= point.moon && tile.horizon >= point.horizon && tile.aureole >= point.aureole);
             }
             divided += usize::from(tiles != Tiles::merged(&sort(&view, &around, 1)).unwrap());
         }

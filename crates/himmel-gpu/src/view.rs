@@ -27,6 +27,9 @@ pub struct View {
     pub enu_from_view: DMat4,
     /// Width over height of the picture.
     pub aspect: f64,
+    /// Rows of the whole picture in pixels, by which points of light are sized; 0: unknown, which costs some time and is
+    /// right for pictures of at least 360 rows.
+    pub rows_px: u32,
     /// The part of the picture that is drawn: left, bottom, width, height in 0..=1. For tiles of large pictures.
     pub part: [f64; 4],
     /// Pixel coordinates of that part's first pixel, for dithering without seams.
@@ -50,7 +53,7 @@ impl View {
         let up = right.cross(forward);
         let enu_from_view =
             DMat4::from_cols(right.extend(0.0), up.extend(0.0), (-forward).extend(0.0), DVec4::new(0.0, 0.0, 0.0, 1.0));
-        Self { projection, enu_from_view, aspect, part: [0.0, 0.0, 1.0, 1.0], first_pixel: [0, 0] }
+        Self { projection, enu_from_view, aspect, rows_px: 0, part: [0.0, 0.0, 1.0, 1.0], first_pixel: [0, 0] }
     }
 
     /// A host's camera: its projection as in [`Projection::Matrix`], and where it stands and looks as in
@@ -61,6 +64,7 @@ impl View {
             projection: Projection::Matrix(clip_from_view),
             enu_from_view,
             aspect: 1.0,
+            rows_px: 0,
             part: [0.0, 0.0, 1.0, 1.0],
             first_pixel: [0, 0],
         }
@@ -127,6 +131,13 @@ impl View {
         Some(self.enu_from_view.transform_vector3(look))
     }
 
+    /// Angle of a pixel in the middle of a picture of so many rows of this view, degrees.
+    pub fn degrees_per_pixel(&self, height_px: u32) -> f64 {
+        let half = 1.0 / f64::from(height_px.max(1));
+        let [below, above] = [-half, half].map(|y| self.direction([0.0, y]).unwrap_or(DVec3::Z));
+        below.angle_between(above).to_degrees()
+    }
+
     pub(crate) fn check(&self) -> Result<(), GpuError> {
         if !self.enu_from_view.is_finite() {
             return Err(GpuError::View("its enu_from_view matrix is not finite".into()));
@@ -166,6 +177,16 @@ mod tests {
         assert!(view.direction([0.0, 0.5]).unwrap().z > 0.1);
         let up = view.direction([0.0, 1.0]).unwrap();
         assert!((up.angle_between(DVec3::Y) - 0.5).abs() < 1e-12, "half the field of view");
+    }
+
+    #[test]
+    fn a_pixel_has_an_angle() {
+        let fisheye = View::with_projection(0.0, 1.0, Projection::Fisheye(2.0), 1.0);
+        assert!((fisheye.degrees_per_pixel(1000) - 2f64.to_degrees() / 1000.0).abs() < 1e-9);
+        let looking = View::looking(1.0, 0.3, 1.0, 1.5).degrees_per_pixel(1000);
+        assert!((looking - (2.0 * 0.5f64.tan() / 1000.0).to_degrees()).abs() < 1e-6);
+        let sphere = View::with_projection(0.0, 0.0, Projection::Equirectangular, 2.0);
+        assert!((sphere.degrees_per_pixel(900) - 0.2).abs() < 1e-9);
     }
 
     #[test]

@@ -113,6 +113,9 @@ pub fn run(gpu: &Gpu, scene: &Scene, options: Options, progress: &mut dyn FnMut(
     if scene.output.exposure.is_none_or(|exposure| exposure == Exposure::Auto) {
         scene.output.exposure = Some(DAY);
     }
+    // The approximation draws none.
+    scene.stars.enabled = false;
+    scene.planets.enabled = false;
     let mut model = SkyModel::new(&scene)?;
     let view = model.view()?;
     let frames = moving_sun(&mut model)?;
@@ -220,7 +223,7 @@ fn edit(
     Ok(started.elapsed().as_secs_f64() * 1e3)
 }
 
-fn medians(samples: &[TimedFrame]) -> Medians {
+pub(crate) fn medians(samples: &[TimedFrame]) -> Medians {
     let mut passes: Vec<(&'static str, Vec<f64>)> = Vec::new();
     for (label, ms) in samples.iter().flat_map(|sample| &sample.times.passes) {
         match passes.iter_mut().find(|(known, _)| known == label) {

@@ -19,37 +19,45 @@
 //! [`SkyModel`] is the same sky without a GPU, [`ReferencePicture`] its picture by a Monte Carlo tracer. [`Scene`] is everything that decides a picture, as a file.
 
 pub mod bench;
+pub mod bench_stars;
 mod clock;
 mod error;
 mod light;
 mod light_meter;
 mod model;
 mod moon;
+mod night;
 mod observer;
 pub mod picture;
 pub mod place;
+mod points;
 mod rays;
 mod scene;
 mod sky;
 pub mod spectral;
+mod tables_cache;
 
 pub use clock::{Clock, parse_time};
 pub use error::{Error, Result};
 pub use himmel_air::{AirParams, AirQuality, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
-    AdapterReport, AirSizes, ApplyAir, DepthDirection, Exposure, Gpu, GpuError, Occluder, Output, OutputParams, Pace,
-    PassTimes, Picture, Pixels, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, Still, Target, Tonemap, View,
+    Adaptation, AdapterReport, AirSizes, ApplyAir, Bloom, BloomFrame, BloomPass, DepthDirection, Exposure, Glare, Gpu,
+    GpuError, Occluder, Output, OutputParams, OverlayParams, Pace, PassTimes, Picture, Pixels, PlanetsParams,
+    PointSpread, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, StarsParams, Still, TablesKey, TablesReadBack,
+    Target, Tonemap, View,
 };
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};
+pub use model::{SkyModel, SunPlace, direction_enu, visible_fraction};
 pub use moon::Moon;
-pub use model::{SkyModel, SunPlace, visible_fraction};
+pub use night::NightZenith;
 pub use observer::Observer;
 pub use rays::{Seen, rays_on_gpu};
 pub use scene::{CameraParams, ClockParams, ObserverParams, ProjectionKind, Scene};
 pub use sky::Sky;
 pub use spectral::ReferencePicture;
+pub use tables_cache::TablesCache;
 
 // Their types are in this API.
 pub use glam;

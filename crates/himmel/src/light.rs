@@ -3,6 +3,8 @@
 use glam::DVec3;
 use himmel_air::scene_light::irradiance_of;
 
+use crate::night::NightZenith;
+
 /// Direct light of the Sun at the observer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SunLight {
@@ -85,15 +87,13 @@ pub struct Light {
     pub ground_illuminance_lx: f64,
     /// Luminance of the zenith, cd m⁻²; the Sun's disc is not in it.
     pub zenith_luminance_cd_m2: f64,
+    /// Its parts at night; `None` by day.
+    pub night: Option<NightZenith>,
     /// Sky and ground in all directions.
     pub ambient: AmbientLight,
     /// What of the Sun's disc the Moon leaves (1: no eclipse), by its illuminance.
     pub eclipse_fraction: f64,
 }
-
-/// Luminance of a moonless natural night at the zenith, 21.9 mag/arcsec² [leinert1998]: added where the eye's threshold is asked,
-/// because the air's own light has no night.
-const NIGHT_CD_M2: f64 = 1.9e-4;
 
 /// The faintest star that a good eye sees before a background, in magnitudes.
 ///
@@ -110,10 +110,9 @@ pub fn limiting_magnitude(background_cd_m2: f64) -> f64 {
 }
 
 impl Light {
-    /// The faintest star that a good eye sees at the zenith: [`limiting_magnitude`] of its luminance with that of a natural
-    /// night.
+    /// The faintest star that a good eye sees at the zenith: [`limiting_magnitude`] of its luminance.
     pub fn limiting_magnitude(&self) -> f64 {
-        limiting_magnitude(self.zenith_luminance_cd_m2 + NIGHT_CD_M2)
+        limiting_magnitude(self.zenith_luminance_cd_m2)
     }
 
     /// The sky's illuminance of a level surface as linear Rec. 709; see [`SunLight::rgb_lx`].
@@ -152,7 +151,7 @@ mod tests {
 
     #[test]
     fn stars_fade_with_the_day() {
-        let (night, dusk, day) = (limiting_magnitude(NIGHT_CD_M2), limiting_magnitude(1.0), limiting_magnitude(3000.0));
+        let (night, dusk, day) = (limiting_magnitude(1.9e-4), limiting_magnitude(1.0), limiting_magnitude(3000.0));
         println!("{night:.2} {dusk:.2} {day:.2}");
         assert!((6.4..6.8).contains(&night) && (-5.0..-2.5).contains(&day) && (0.0..4.0).contains(&dusk));
         let mut before = f64::INFINITY;

@@ -19,7 +19,9 @@ use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
 use crate::light::{AmbientLight, Light, LightSource, MOON, SunLight, pure_colour};
 use crate::moon::MoonCache;
+use crate::night::NightCache;
 use crate::observer::Observer;
+use crate::points::{Moving, PointCache, hiders};
 use crate::scene::{ProjectionKind, Scene};
 
 /// Eyes above the ground, m.
@@ -53,6 +55,8 @@ pub struct SkyModel {
     /// The bent sky of the altitude that was last asked for.
     bending: Mutex<Option<(f64, Arc<Bending>)>>,
     moon: MoonCache,
+    night: NightCache,
+    points: PointCache,
 }
 
 /// The Sun's place for an observer.
@@ -93,8 +97,18 @@ impl SkyModel {
             }
         };
         let bending = Mutex::new(None);
-        let moon = MoonCache::default();
-        Ok(Self { scene: scene.clone(), preset, atmosphere, observer, clock, ephemeris, bending, moon })
+        Ok(Self {
+            scene: scene.clone(),
+            preset,
+            atmosphere,
+            observer,
+            clock,
+            ephemeris,
+            bending,
+            points: PointCache::default(),
+            moon: MoonCache::default(),
+            night: NightCache::default(),
+        })
     }
 
     /// The settings as they were given; the clock may have run, and the observer moved, since.
@@ -128,6 +142,10 @@ impl SkyModel {
 
     pub(crate) fn moon_cache(&self) -> &MoonCache {
         &self.moon
+    }
+
+    pub(crate) fn night_cache(&self) -> &NightCache {
+        &self.night
     }
 
     /// The clock.
@@ -302,31 +320,30 @@ impl SkyModel {
         let visible = shadow.as_ref().map_or([1.0; 4], |shadow| shadow.fraction(DVec3::ZERO, &limb));
         let ambient = air.scene_light().at(&air.sampled(), air.columns(), self.altitude_m(), star, eclipse);
         let luminous = |relative: [f64; 4]| air.xyz(relative.map(|value| value * irradiance)).y.max(0.0);
-        // Moonlight in the air and on the ground, where it matters beside the Sun's.
         let moon = self.moon()?;
+        // Moonlight in the air and on the ground, where it matters beside the Sun's.
         let by_moon = match &moon {
             Some(moon) if self.moon_as_light(moon)?.is_some() => {
                 let direction = moon.state.direction;
                 let ambient = air.scene_light().at(&air.sampled(), air.columns(), self.altitude_m(), direction, None);
-                Some((ambient, moon.irradiance))
+                ambient.times(moon.irradiance)
             }
-            _ => None,
+            _ => Ambient::default(),
         };
-        let both = |sun: [f64; 4], moon: fn(&Ambient) -> [f64; 4]| -> [f64; 4] {
-            let moonlit = by_moon.as_ref().map_or([0.0; 4], |(ambient, irradiance)| {
-                let relative = moon(ambient);
-                std::array::from_fn(|k| relative[k] * irradiance[k])
-            });
-            std::array::from_fn(|k| sun[k] * irradiance + moonlit[k])
+        let twilight_cd_m2 = luminous(ambient.zenith_per_sr) + air.xyz(by_moon.zenith_per_sr).y.max(0.0);
+        let night = self.night()?;
+        let night_zenith = night.as_ref().map(|night| self.night_zenith(night, twilight_cd_m2));
+        let glow = match &night {
+            Some(night) => Ambient::gathered(|add| night.all_around(air, self.altitude_m(), add)),
+            None => Ambient::default(),
         };
-        let (down, up) = (both(ambient.down, |a| a.down), both(ambient.up, |a| a.up));
-        let zenith = both(ambient.zenith_per_sr, |a| a.zenith_per_sr);
-        let harmonics: [[f64; 4]; 9] = std::array::from_fn(|i| {
-            let moonlit = by_moon.as_ref().map_or([0.0; 4], |(ambient, irradiance)| {
-                std::array::from_fn(|k| ambient.harmonics[i][k] * irradiance[k])
-            });
-            std::array::from_fn(|k| ambient.harmonics[i][k] * irradiance + moonlit[k])
-        });
+        let sum = |sun: [f64; 4], moon: [f64; 4], glow: [f64; 4]| {
+            std::array::from_fn(|k| sun[k] * irradiance + moon[k] + glow[k])
+        };
+        let down = sum(ambient.down, by_moon.down, glow.down);
+        let up = sum(ambient.up, by_moon.up, glow.up);
+        let harmonics: [[f64; 4]; 9] =
+            std::array::from_fn(|i| sum(ambient.harmonics[i], by_moon.harmonics[i], glow.harmonics[i]));
         let direct = SunLight {
             direction_enu: direction_enu(sun.azimuth_deg, sun.altitude_deg),
             azimuth_deg: sun.azimuth_deg,
@@ -355,7 +372,8 @@ impl SkyModel {
             sky_illuminance_lx: air.xyz(down).y.max(0.0),
             sky_colour: pure_colour(air.rec709(down)),
             ground_illuminance_lx: air.xyz(up).y.max(0.0),
-            zenith_luminance_cd_m2: air.xyz(zenith).y.max(0.0),
+            zenith_luminance_cd_m2: night_zenith.map_or(twilight_cd_m2, |zenith| zenith.sum_cd_m2()),
+            night: night_zenith,
             ambient: AmbientLight { harmonics_cd_m2: harmonics.map(|four| air.rec709(four).to_array()) },
             eclipse_fraction: luminous(visible) / luminous([1.0; 4]).max(f64::MIN_POSITIVE),
         })
@@ -383,12 +401,22 @@ impl SkyModel {
             .to_degrees()
     }
 
+    /// When and where one looks.
+    fn standing(&self) -> Result<(Instant, Place)> {
+        let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
+        let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
+        Ok((instant, place))
+    }
+
     /// What the renderer needs for a frame.
     pub fn frame(&self) -> Result<FrameState> {
         let sun = self.sun()?;
         let settings = &self.scene.sun;
         let moon = self.moon()?;
         let moonlight = moon.as_ref().map(|moon| self.moon_as_light(moon)).transpose()?.flatten();
+        let (instant, place) = self.standing()?;
+        let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
+        let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &self.points, &observer)?;
         Ok(FrameState {
             sun: SunState {
                 direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
@@ -399,17 +427,24 @@ impl SkyModel {
                 limb_darkening: settings.limb_darkening,
             },
             other_suns: moonlight.into_iter().collect(),
-            moon: moon.and_then(|moon| self.moon_as_disc(moon)),
             occluder: self.occluder()?,
             shadow: self.shadow()?,
             bending: self.bending(),
+            stars: self.points.field(&self.scene, &observer, self.clock.unix_seconds()),
+            bodies: moving.points,
+            planets: moving.discs,
+            hiders: hiders(&observer, moon.as_ref())?,
+            moon: moon.and_then(|moon| self.moon_as_disc(moon)),
+            night: self.night()?,
+            overlay: self.points.overlay(&self.scene, &observer),
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),
+            seconds: None,
         })
     }
 
-    /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground and the
-    /// Sun's disc. The f64 twin of the renderer's pixel.
+    /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground, the
+    /// Sun's disc, and the glow of the night. The f64 twin of the renderer's pixel.
     pub fn luminance(&self, direction: DVec3) -> Result<DVec3> {
         let frame = self.frame()?;
         let (sun, settings) = (frame.sun, &self.scene.sun);
@@ -449,6 +484,12 @@ impl SkyModel {
                 sum[k] += through[k] * light[k];
             }
         }
+        let glow = frame.night.map(|night| night.parts(&self.atmosphere, altitude_m, direction, 0).sum());
+        if let Some(glow) = glow {
+            for k in 0..4 {
+                sum[k] += glow[k];
+            }
+        }
         Ok(self.atmosphere.rec709(sum))
     }
 
@@ -463,6 +504,12 @@ impl SkyModel {
         let Ok(target) = Target::parse(name) else {
             return Err(error);
         };
+        // The Moon may have been put by hand.
+        if target == Target::Body(Body::Moon)
+            && let Some(moon) = self.moon()?
+        {
+            return Ok((moon.azimuth_deg, moon.altitude_deg));
+        }
         let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
         let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
         let seen = target.apparent(&himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?)?;
@@ -476,15 +523,18 @@ impl SkyModel {
         let (azimuth, altitude, fov) =
             (azimuth_deg.to_radians(), altitude_deg.to_radians(), camera.fov_deg.to_radians());
         let aspect = f64::from(self.scene.output.width_px) / f64::from(self.scene.output.height_px);
-        match camera.projection {
-            ProjectionKind::Perspective if camera.fov_deg >= 179.5 => Err(Error::Camera(format!(
-                "a perspective camera sees less than 179.5°, got {}°; use --projection fisheye",
-                camera.fov_deg
-            ))),
-            ProjectionKind::Perspective => Ok(View::looking(azimuth, altitude, fov, aspect)),
-            ProjectionKind::Fisheye => Ok(View::with_projection(azimuth, altitude, Projection::Fisheye(fov), aspect)),
-            ProjectionKind::Equirect => Ok(View::with_projection(azimuth, 0.0, Projection::Equirectangular, aspect)),
-        }
+        let view = match camera.projection {
+            ProjectionKind::Perspective if camera.fov_deg >= 179.5 => {
+                return Err(Error::Camera(format!(
+                    "a perspective camera sees less than 179.5°, got {}°; use --projection fisheye",
+                    camera.fov_deg
+                )));
+            }
+            ProjectionKind::Perspective => View::looking(azimuth, altitude, fov, aspect),
+            ProjectionKind::Fisheye => View::with_projection(azimuth, altitude, Projection::Fisheye(fov), aspect),
+            ProjectionKind::Equirect => View::with_projection(azimuth, 0.0, Projection::Equirectangular, aspect),
+        };
+        Ok(View { rows_px: self.scene.output.height_px, ..view })
     }
 
     /// The instant as the place's clock shows it.

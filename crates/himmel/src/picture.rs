@@ -7,6 +7,7 @@ use himmel_gpu::{Gpu, Output, PassTimes, Picture, Pixels, Still};
 
 use crate::error::{Error, Result};
 use crate::model::SkyModel;
+use crate::tables_cache::TablesCache;
 
 /// File formats, told by the ending of the name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,10 +83,33 @@ fn folder_of(path: &Path) -> &Path {
 
 /// Renders a model's picture. `progress` is told the share done and answers whether to go on.
 pub fn render(gpu: &Gpu, model: &SkyModel, output: Output, progress: &mut dyn FnMut(f64) -> bool) -> Result<Picture> {
-    let view = model.view()?;
-    let mut still = Still::new(gpu, output, model.atmosphere())?;
+    render_with(gpu, model, output, None, progress)
+}
+
+/// As [`render`], with the air's tables from a cache where they are there, and written to it where they are not.
+pub fn render_with(
+    gpu: &Gpu,
+    model: &SkyModel,
+    output: Output,
+    cache: Option<&TablesCache>,
+    progress: &mut dyn FnMut(f64) -> bool,
+) -> Result<Picture> {
+    let (view, mut frame) = (model.view()?, model.frame()?);
     let size = &model.scene().output;
-    Ok(still.render(&model.frame()?, &view, size.width_px, size.height_px, progress)?)
+    let post = size.has_post();
+    if post {
+        // Linear, exposed as the finished picture.
+        frame.output.exposure = Some(frame.output.exposure_for(output));
+    }
+    let mut still = Still::new(gpu, if post { Output::Radiance } else { output }, model.atmosphere())?;
+    let cached = cache.is_some_and(|cache| cache.load(still.renderer()));
+    let picture = still.render(&frame, &view, size.width_px, size.height_px, progress)?;
+    if let (Some(cache), false) = (cache, cached)
+        && let Err(error) = cache.store(still.renderer())
+    {
+        tracing::warn!(%error, "the air's tables are not saved");
+    }
+    if post { Ok(himmel_gpu::output::bloom::finish(gpu, &picture, size, &view, output)?) } else { Ok(picture) }
 }
 
 /// Times of a picture's passes: the medians over several frames.

@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten};
 use himmel_core::{choices, params};
-use himmel_gpu::OutputParams;
 use himmel_gpu::phenomena::moon::MoonParams;
+use himmel_gpu::phenomena::night_glow::NightSettings;
+use himmel_gpu::{OutputParams, OverlayParams, PlanetsParams, StarsParams};
 use toml::de::{DeTable, DeValue};
 
 use crate::error::{Error, Result};
@@ -99,6 +100,14 @@ pub struct Scene {
     pub air: AirParams,
     /// `[ground]`
     pub ground: GroundParams,
+    /// `[night.stars]`
+    pub stars: StarsParams,
+    /// `[night.planets]`
+    pub planets: PlanetsParams,
+    /// `[night.airglow]`, `[night.zodiacal]`, `[night.milky_way]`, `[night.light_pollution]`
+    pub night: NightSettings,
+    /// `[overlay]`
+    pub overlay: OverlayParams,
     /// `[output]`
     pub output: OutputParams,
     /// Folder that a preset's relative path starts from; not part of the file.
@@ -116,6 +125,10 @@ impl Default for Scene {
             moon: MoonParams::default(),
             air: AirParams::default(),
             ground: GroundParams::default(),
+            stars: StarsParams::default(),
+            planets: PlanetsParams::default(),
+            night: NightSettings::default(),
+            overlay: OverlayParams::default(),
             output: OutputParams::default(),
             folder: PathBuf::new(),
         }
@@ -124,11 +137,27 @@ impl Default for Scene {
 
 impl Scene {
     /// Every table of parameters, in the order of the file.
-    pub fn tables(&self) -> [&dyn Params; 8] {
-        [&self.observer, &self.clock, &self.camera, &self.sun, &self.moon, &self.air, &self.ground, &self.output]
+    pub fn tables(&self) -> [&dyn Params; 15] {
+        [
+            &self.observer,
+            &self.clock,
+            &self.camera,
+            &self.sun,
+            &self.moon,
+            &self.air,
+            &self.ground,
+            &self.stars,
+            &self.planets,
+            &self.night.airglow,
+            &self.night.zodiacal,
+            &self.night.milky_way,
+            &self.night.light_pollution,
+            &self.overlay,
+            &self.output,
+        ]
     }
 
-    fn tables_mut(&mut self) -> [&mut dyn Params; 8] {
+    fn tables_mut(&mut self) -> [&mut dyn Params; 15] {
         [
             &mut self.observer,
             &mut self.clock,
@@ -137,6 +166,13 @@ impl Scene {
             &mut self.moon,
             &mut self.air,
             &mut self.ground,
+            &mut self.stars,
+            &mut self.planets,
+            &mut self.night.airglow,
+            &mut self.night.zodiacal,
+            &mut self.night.milky_way,
+            &mut self.night.light_pollution,
+            &mut self.overlay,
             &mut self.output,
         ]
     }

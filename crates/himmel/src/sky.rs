@@ -16,6 +16,7 @@ use crate::scene::Scene;
 pub struct Sky {
     model: SkyModel,
     renderer: SkyRenderer,
+    frame_seconds: Option<f64>,
 }
 
 impl Sky {
@@ -32,7 +33,7 @@ impl Sky {
 
     fn with_model(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, model: SkyModel) -> Result<Self> {
         let renderer = SkyRenderer::new(device, queue, target, model.atmosphere())?;
-        Ok(Self { model, renderer })
+        Ok(Self { model, renderer, frame_seconds: None })
     }
 
     /// Everything but the GPU: settings, clock, the Sun's place, numbers.
@@ -76,7 +77,14 @@ impl Sky {
 
     /// Records this frame's small uploads. Any number of views: stereo, cube faces, split screens.
     pub fn prepare(&mut self, encoder: &mut wgpu::CommandEncoder, views: &[View]) -> Result<()> {
-        Ok(self.renderer.prepare(encoder, &self.model.frame()?, views)?)
+        let frame = himmel_gpu::FrameState { seconds: self.frame_seconds, ..self.model.frame()? };
+        Ok(self.renderer.prepare(encoder, &frame, views)?)
+    }
+
+    /// Real seconds that the next frames are apart: automatic exposure then follows the light as `output.adaptation` says.
+    /// Without them every frame is adapted at once.
+    pub fn set_frame_seconds(&mut self, seconds: Option<f64>) {
+        self.frame_seconds = seconds;
     }
 
     /// Draws a prepared view into your pass, at infinite depth.

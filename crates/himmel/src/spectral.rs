@@ -11,7 +11,7 @@ use himmel_air::reference::{Source, Tracer, for_each_parallel};
 use himmel_air::sun::limb_darkening;
 use himmel_core::colour::rec709_from_xyz;
 use himmel_gpu::output::dither::hash_unit;
-use himmel_gpu::output::{display_rgb, metered_ev100};
+use himmel_gpu::output::{display_rgb, metered_factor};
 use himmel_gpu::{Exposure, GpuError, MAX_PIXELS, MAX_SIDE, Output, OutputParams, PassTimes, Picture, Pixels, View};
 
 use crate::error::Result;
@@ -241,9 +241,9 @@ impl ReferencePicture {
     /// picture's pixels, by the renderer's rule.
     pub fn picture(&self, output: &OutputParams, kind: Output) -> Picture {
         let rgb = self.rgb_cd_m2();
-        let luminance = |index: usize| self.inside(index).then(|| rgb[index].dot(DVec3::new(0.2126, 0.7152, 0.0722)));
+        let colour = |index: usize| self.inside(index).then(|| rgb[index]);
         let factor = match output.exposure_for(kind) {
-            Exposure::Auto => (-metered_ev100((0..rgb.len()).map(luminance))).exp2() / 1.2,
+            Exposure::Auto => metered_factor(output, (0..rgb.len()).map(colour)),
             chosen => chosen.factor().unwrap_or(1.0),
         };
         let exposure = factor * output.compensation_ev.exp2();
@@ -258,7 +258,11 @@ impl ReferencePicture {
                     .flat_map(|(index, colour)| {
                         // Nothing is drawn outside a fisheye, not even noise.
                         let pixel = [(index % width) as u32, (index / width) as u32];
-                        if self.inside(index) { display_rgb(output, *colour * exposure, pixel) } else { [0; 3] }
+                        if self.inside(index) {
+                            display_rgb(output, *colour * exposure, exposure, pixel)
+                        } else {
+                            [0; 3]
+                        }
                     })
                     .collect(),
             ),

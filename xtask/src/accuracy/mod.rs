@@ -1,10 +1,14 @@
 //! `cargo xtask accuracy`: how far results are from those of others, as tables for `docs/`.
 
+mod class;
 mod colour;
+mod day;
+mod elevation;
 mod moments;
 mod reference;
 
 use std::fmt::Write as _;
+use std::path::PathBuf;
 
 use glam::DVec3;
 
@@ -13,8 +17,15 @@ pub const USAGE: &str =
     "cargo xtask accuracy reference [--quick] [--output FILE.md]   the tracer against other programs and laws
 cargo xtask accuracy moments [--quick] [--output FILE.md]     the moment solver and Hillaire 2020 against the tracer
 cargo xtask accuracy gpu [--quick] [--output FILE.md]         the renderer on the GPU, and Hillaire 2020, against the tracer
+cargo xtask accuracy elevation [--quick] [--output FILE.svg]  their errors over the Sun's elevation, as a plot
 cargo xtask accuracy colour [--quick] [--output FILE.md]      four wavelengths and sharp channels against full spectra
-cargo xtask accuracy grid [--quick]                           questions for `himmel radiance`, a grid over all geometries";
+cargo xtask accuracy day [--quick] [--output FILE.md]         a day's illuminance against a published fit; day.svg beside FILE.md
+cargo xtask accuracy day-pictures --output FOLDER             the day's pictures, and a night with and without the Moon
+cargo xtask accuracy grid [--quick]                           questions for `himmel radiance`, a grid over all geometries
+moments, gpu: --class day,horizon,94,96,30km,space,haze,mars,titan,earth   only these, in this order
+moments, gpu, elevation: --points N   lines of sight of a class (60; 20 for each elevation)
+                         --kept DIR   where the tracer's answers are kept (target/accuracy): none is traced twice, and a run
+                                      that was stopped goes on where it was";
 
 /// How much work.
 #[derive(Clone, Copy)]
@@ -30,14 +41,34 @@ impl Work {
     }
 }
 
+/// Which classes, and how much of them.
+pub struct Choice {
+    pub work: Work,
+    /// Keys of classes in the order in which they are wanted; empty means all.
+    pub classes: Vec<String>,
+    /// Lines of sight of a class.
+    pub points: usize,
+    /// The folder of the tracer's answers.
+    pub kept: PathBuf,
+}
+
 /// Runs one table.
 pub fn run(args: &[String]) -> Result<(), String> {
     let (mut work, mut output, mut what) = (Work { quick: false }, None, None);
+    let (mut classes, mut points, mut kept) = (Vec::new(), None, None);
     let mut words = args.iter();
     while let Some(word) = words.next() {
+        let mut next = |takes: &str| words.next().cloned().ok_or_else(|| format!("{word} takes {takes}"));
         match word.as_str() {
             "--quick" => work.quick = true,
-            "--output" => output = Some(words.next().ok_or("--output takes a file")?.clone()),
+            "--output" => output = Some(next("a file")?),
+            "--class" => classes = next("names of classes, with commas")?.split(',').map(str::to_owned).collect(),
+            "--points" => {
+                let number = next("a number")?;
+                let sensible = number.parse::<usize>().ok().filter(|n| (1..=100_000).contains(n));
+                points = Some(sensible.ok_or(format!("--points must lie in 1..=100000, got {number}"))?);
+            }
+            "--kept" => kept = Some(PathBuf::from(next("a folder")?)),
             name if what.is_none() && !name.starts_with('-') => what = Some(name.to_owned()),
             other => return Err(format!("what is \"{other}\"?\n{USAGE}")),
         }
@@ -46,15 +77,34 @@ pub fn run(args: &[String]) -> Result<(), String> {
         print!("{}", grid(work));
         return Ok(());
     }
+    if what.as_deref() == Some("day-pictures") {
+        let folder = output.ok_or("day-pictures takes --output FOLDER")?;
+        print!("{}", day::pictures(std::path::Path::new(&folder))?);
+        return Ok(());
+    }
+    // Quick answers have a quick one's noise: they are kept beside the others.
+    let kept =
+        kept.unwrap_or_else(|| PathBuf::from(if work.quick { "target/accuracy/quick" } else { "target/accuracy" }));
+    let choice = |full: u64| Choice { work, classes, points: points.unwrap_or(work.count(full) as usize), kept };
+    let open = || himmel::Gpu::open(None).map_err(|error| error.to_string());
+    let put = |text: &str| match &output {
+        Some(path) => std::fs::write(path, text).map_err(|error| format!("cannot write {path}: {error}")),
+        None => Ok(()),
+    };
+    let beside = output.as_ref().and_then(|path| std::path::Path::new(path).parent());
     let started = std::time::Instant::now();
     let mut text = match what.as_deref() {
         Some("reference") => reference::table(work)?,
-        Some("moments") => moments::table(work, None)?,
+        Some("moments") => moments::table(&choice(60), None, put)?,
         Some("gpu") => {
-            let gpu = himmel::Gpu::open(None).map_err(|error| error.to_string())?;
-            format!("Adapter: {}.\n\n{}", gpu.report(), moments::table(work, Some(&gpu))?)
+            let gpu = open()?;
+            let head = format!("Adapter: {}.\n\n", gpu.report());
+            let body = moments::table(&choice(60), Some(&gpu), |text| put(&format!("{head}{text}")))?;
+            format!("{head}{body}")
         }
+        Some("elevation") => return elevation::plot(&choice(20), &open()?, output.as_deref()),
         Some("colour") => colour::table(work)?,
+        Some("day") => day::table(work, beside)?,
         _ => return Err(USAGE.into()),
     };
     let _ = writeln!(
@@ -65,13 +115,10 @@ pub fn run(args: &[String]) -> Result<(), String> {
         started.elapsed().as_secs_f64(),
         std::thread::available_parallelism().map_or(1, usize::from)
     );
-    match output {
-        Some(path) => std::fs::write(&path, text).map_err(|error| format!("cannot write {path}: {error}")),
-        None => {
-            print!("{text}");
-            Ok(())
-        }
+    if output.is_none() {
+        print!("{text}");
     }
+    put(&text)
 }
 
 /// Questions for `himmel radiance --input`: four altitudes, Suns from the zenith to 6° below the horizon, views from the

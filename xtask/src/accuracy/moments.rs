@@ -1,201 +1,222 @@
 //! The moment solver (in f64, or the renderer's on the GPU) and the usual approximation against the tracer.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use himmel::{Gpu, RayMeter};
 use himmel_air::hillaire::{Hillaire, Settings};
 use himmel_air::medium::Sampled;
 use himmel_air::moments::{Moments, Quality, radiance};
-use himmel_air::reference::{Effort, Source, Tracer, for_each_parallel};
-use himmel_air::single::Ray;
+use himmel_air::reference::for_each_parallel;
+use himmel_air::single::{Ray, march};
 use himmel_air::{AirParams, Atmosphere, Columns, GroundParams, Preset};
 
-use super::{Random, Work, quantile, view};
+use super::class::{Class, Truth, WAVELENGTHS_NM};
+use super::{Choice, quantile};
 
-const WAVELENGTHS_NM: [f64; 3] = [680.0, 550.0, 440.0];
-
-/// Questions of one kind.
-struct Class {
-    name: &'static str,
-    preset: &'static str,
-    /// Ranges of the Sun's zenith angle, the view's zenith angle (degrees) and the altitude (m).
-    sun_deg: (f64, f64),
-    view_deg: (f64, f64),
-    altitude_m: (f64, f64),
-    /// Standard error of the tracer that is asked for, %.
-    error: f64,
-}
-
-const CLASSES: [Class; 10] = {
-    const fn class(
-        name: &'static str,
-        preset: &'static str,
-        sun_deg: (f64, f64),
-        view_deg: (f64, f64),
-        altitude_m: (f64, f64),
-        error: f64,
-    ) -> Class {
-        Class { name, preset, sun_deg, view_deg, altitude_m, error }
-    }
+/// The classes of the table, in its order.
+fn classes(choice: &Choice) -> Vec<Class> {
     let (up, low) = ((0.0, 89.5), (0.0, 10e3));
+    let clear = "bruneton2017";
     [
-        class("day: Sun zenith ≤ 85°, ≤ 10 km", "bruneton2017", (0.0, 85.0), up, low, 0.1),
-        class("horizon: 85–92°", "bruneton2017", (85.0, 92.0), up, low, 0.1),
-        class("−4°: 94°", "bruneton2017", (93.5, 94.5), up, low, 0.25),
-        class("−6°: 96°", "bruneton2017", (95.5, 96.5), up, low, 0.35),
-        class("from 30 km", "bruneton2017", (0.0, 90.0), (0.0, 180.0), (30e3, 30e3), 0.1),
+        ("day", "day: Sun zenith ≤ 85°, ≤ 10 km", clear, (0.0, 85.0), up, low, 0.1),
+        ("horizon", "horizon: 85–92°", clear, (85.0, 92.0), up, low, 0.1),
+        ("94", "−4°: 94°", clear, (93.5, 94.5), up, low, 0.25),
+        ("96", "−6°: 96°", clear, (95.5, 96.5), up, low, 0.35),
+        ("30km", "from 30 km", clear, (0.0, 90.0), (0.0, 180.0), (30e3, 30e3), 0.1),
         // From 400 km the Earth and its air begin at a zenith angle of 108°.
-        class("from space, 400 km", "bruneton2017", (0.0, 90.0), (108.5, 180.0), (400e3, 400e3), 0.1),
-        class("`earth-haze`, ≤ 85°", "earth-haze", (0.0, 85.0), up, (0.0, 5e3), 0.25),
-        class("`mars-reference`, ≤ 92°", "mars-reference", (0.0, 92.0), up, low, 0.3),
-        class("`titan-reference`, ≤ 90°", "titan-reference", (0.0, 90.0), up, (0.0, 100e3), 0.3),
-        class("`earth`, ≤ 92°", "earth", (0.0, 92.0), up, low, 0.15),
+        ("space", "from space, 400 km", clear, (0.0, 90.0), (108.5, 180.0), (400e3, 400e3), 0.1),
+        ("haze", "`earth-haze`, ≤ 85°", "earth-haze", (0.0, 85.0), up, (0.0, 5e3), 0.25),
+        ("mars", "`mars-reference`, ≤ 92°", "mars-reference", (0.0, 92.0), up, low, 0.3),
+        ("titan", "`titan-reference`, ≤ 90°", "titan-reference", (0.0, 90.0), up, (0.0, 100e3), 0.3),
+        ("earth", "`earth`, ≤ 92°", "earth", (0.0, 92.0), up, low, 0.15),
     ]
-};
+    .into_iter()
+    .enumerate()
+    .map(|(i, (key, name, preset, sun_deg, view_deg, altitude_m, error))| Class {
+        key: key.into(),
+        name: name.into(),
+        preset,
+        sun_deg,
+        view_deg,
+        altitude_m,
+        error,
+        most_samples: choice.work.count(1 << 20),
+        seed: 1000 + i as u64,
+    })
+    .collect()
+}
 
 /// A question at three wavelengths and its answers.
-struct Point {
-    ray: Ray,
-    reference: [f64; 3],
-    relative_error: f64,
-    ours: [f64; 3],
-    usual: [f64; 3],
-    usual_converged: [f64; 3],
+pub struct Point {
+    pub ray: Ray,
+    pub truth: Truth,
+    pub ours: [f64; 3],
+    single: [f64; 3],
+    pub usual: [f64; 3],
+    pub usual_converged: [f64; 3],
 }
 
-/// `gpu`: the renderer's own tables and shaders instead of the f64 twin.
-pub fn table(work: Work, gpu: Option<&Gpu>) -> Result<String, String> {
-    let ours = if gpu.is_some() { "ours on the GPU" } else { "this solver, 32 cells" };
+impl Point {
+    /// Relative errors of an answer.
+    pub fn errors(&self, answer: &[f64; 3]) -> [f64; 3] {
+        std::array::from_fn(|k| answer[k] / self.truth.value[k] - 1.0)
+    }
+}
+
+/// Median and 95th percentile of the size of relative errors.
+pub fn spread(points: &[Point], of: impl Fn(&Point) -> [f64; 3]) -> (f64, f64) {
+    let mut errors: Vec<f64> = points.iter().flat_map(|point| point.errors(&of(point)).map(f64::abs)).collect();
+    (quantile(&mut errors, 0.5), quantile(&mut errors, 0.95))
+}
+
+/// Median and 95th percentile of the tracer's relative standard errors.
+pub fn noise(points: &[Point]) -> (f64, f64) {
+    let each =
+        |point: &Point| -> [f64; 3] { std::array::from_fn(|k| point.truth.standard_error[k] / point.truth.value[k]) };
+    let mut errors: Vec<f64> = points.iter().flat_map(each).collect();
+    (quantile(&mut errors, 0.5), quantile(&mut errors, 0.95))
+}
+
+/// `gpu`: the renderer's own tables and shaders instead of the f64 twin. `partial` gets the table after each class.
+pub fn table(
+    choice: &Choice,
+    gpu: Option<&Gpu>,
+    partial: impl Fn(&str) -> Result<(), String>,
+) -> Result<String, String> {
+    let classes = classes(choice);
+    // In the order that was asked for; the rows keep the table's.
+    let mut order = Vec::new();
+    for key in &choice.classes {
+        let unknown = || {
+            let keys: Vec<&str> = classes.iter().map(|class| class.key.as_str()).collect();
+            format!("no class \"{key}\"; there are {}", keys.join(", "))
+        };
+        order.push(classes.iter().position(|class| class.key == *key).ok_or_else(unknown)?);
+    }
+    if order.is_empty() {
+        order.extend(0..classes.len());
+    }
+    let mut rows: BTreeMap<usize, (String, String)> = BTreeMap::new();
+    let mut solvers = Solvers::default();
+    let mut text = String::new();
+    for index in order {
+        let class = &classes[index];
+        let points = solvers.points(class, choice, gpu)?;
+        rows.insert(index, (row(class, &points), worst(class, &points)));
+        text = whole(gpu.is_some(), &rows, &solvers.notes);
+        eprintln!("{}", rows[&index].0);
+        partial(&text)?;
+    }
+    Ok(text)
+}
+
+fn whole(on_gpu: bool, rows: &BTreeMap<usize, (String, String)>, notes: &str) -> String {
+    let ours = if on_gpu { "ours on the GPU" } else { "this solver, 32 cells" };
     let mut text = format!(
         "| class | points × λ | reference ± | {ours} | without multiple scattering | Hillaire 2020, converged | Hillaire 2020, usual sizes |\n|---|---|---|---|---|---|---|\n",
     );
-    let mut notes = String::new();
-    let mut worst_text = String::new();
-    let mut last: Option<(&str, Solvers)> = None;
-    for (index, class) in CLASSES.iter().enumerate() {
-        let preset = Preset::named(class.preset).map_err(|error| error.to_string())?;
+    rows.values().for_each(|(row, _)| text.push_str(row));
+    text.push_str(
+        "\nMedian / 95th percentile of the relative error in %, at 680, 550, 440 nm; fresh random points, parallel Sun, all views \
+         upwards except from 30 km and space. \"Reference ±\": the tracer's standard errors, likewise.\n\n",
+    );
+    rows.values().for_each(|(_, worst)| text.push_str(worst));
+    let _ = write!(text, "\n{notes}");
+    text
+}
+
+fn row(class: &Class, points: &[Point]) -> String {
+    let both = |(median, most): (f64, f64)| format!("{} / {}", percent(median), percent(most));
+    format!(
+        "| {} | {} × 3 | {} | {} | {} | {} | {} |\n",
+        class.name,
+        points.len(),
+        both(noise(points)),
+        both(spread(points, |point| point.ours)),
+        both(spread(points, |point| point.single)),
+        both(spread(points, |point| point.usual_converged)),
+        both(spread(points, |point| point.usual)),
+    )
+}
+
+/// The mean error and the points of the largest ones.
+fn worst(class: &Class, points: &[Point]) -> String {
+    let mut errors: Vec<(f64, usize, &Point)> = points
+        .iter()
+        .flat_map(|point| point.errors(&point.ours).into_iter().enumerate().map(move |(k, error)| (error, k, point)))
+        .collect();
+    let mean = errors.iter().map(|(error, ..)| error).sum::<f64>() / (errors.len() as f64).max(1.0);
+    errors.sort_by(|a, b| b.0.abs().total_cmp(&a.0.abs()));
+    let say = |(error, k, point): &(f64, usize, &Point)| {
+        let deg = |cosine: f64| cosine.acos().to_degrees();
+        format!(
+            "{:+.1} % ± {:.1} at {} nm: Sun {:.1}°, view {:.1}°, {:.1}° apart, {:.1} km",
+            100.0 * error,
+            100.0 * point.truth.standard_error[*k] / point.truth.value[*k],
+            WAVELENGTHS_NM[*k],
+            deg(point.ray.mu_s),
+            deg(point.ray.mu),
+            deg(point.ray.nu),
+            point.ray.altitude_m / 1e3
+        )
+    };
+    let three: Vec<String> = errors.iter().take(3).map(say).collect();
+    format!("- {}: mean {:+.2} %; worst {}\n", class.name, 100.0 * mean, three.join("; "))
+}
+
+/// Everything that is compared, made once for each preset.
+#[derive(Default)]
+pub struct Solvers {
+    made: BTreeMap<&'static str, (Preset, Solver)>,
+    /// What each cost.
+    pub notes: String,
+}
+
+impl Solvers {
+    /// All answers to the questions of a class.
+    pub fn points(&mut self, class: &Class, choice: &Choice, gpu: Option<&Gpu>) -> Result<Vec<Point>, String> {
+        if !self.made.contains_key(class.preset) {
+            let preset = Preset::named(class.preset).map_err(|error| error.to_string())?;
+            let columns = Columns::new(&preset.medium);
+            let air = preset.medium.sampled(&WAVELENGTHS_NM);
+            let ours = Ours::build(&preset, &air, &columns, gpu, class.preset, &mut self.notes)?;
+            let usual = Hillaire::build(&air, &columns, &Settings::USUAL);
+            let usual_converged = Hillaire::build(&air, &columns, &Settings::CONVERGED);
+            drop(air);
+            self.made.insert(class.preset, (preset, Solver { columns, ours, usual, usual_converged }));
+        }
+        let Some((preset, solver)) = self.made.get_mut(class.preset) else { return Ok(Vec::new()) };
+        let truths = class.truths(preset, choice.points, &choice.kept)?;
+        let rays: Vec<Ray> = class.questions(truths.len()).iter().map(|question| question.ray).collect();
         let air = preset.medium.sampled(&WAVELENGTHS_NM);
-        let tracer = Tracer::new(&air).map_err(|error| error.to_string())?;
-        let mut solvers = match last.take() {
-            Some((name, solvers)) if name == class.preset => solvers,
-            _ => {
-                let columns = Columns::new(&preset.medium);
-                let ours = Ours::build(&preset, &air, &columns, gpu, class.preset, &mut notes)?;
-                let usual = Hillaire::build(&air, &columns, &Settings::USUAL);
-                let usual_converged = Hillaire::build(&air, &columns, &Settings::CONVERGED);
-                Solvers { columns, ours, usual, usual_converged }
-            }
-        };
-        let mut random = Random::new(1000 + index as u64);
-        let questions: Vec<(Ray, glam::DVec3, f64)> = (0..work.count(60))
-            .map(|_| {
-                let sun_deg = random.within(class.sun_deg.0, class.sun_deg.1);
-                let direction = view(random.within(class.view_deg.0, class.view_deg.1), random.within(0.0, 180.0));
-                let altitude_m = random.within(class.altitude_m.0, class.altitude_m.1);
-                let sun = view(sun_deg, 0.0);
-                let ray = Ray { altitude_m, mu: direction.z, mu_s: sun.z, nu: direction.dot(sun) };
-                (ray, direction, sun_deg)
-            })
-            .collect();
-        let effort = Effort {
-            samples: 4096,
-            target_relative_error: Some(class.error / 100.0),
-            most_samples: work.count(1 << 20),
-            seed: 77,
-        };
-        let rays: Vec<Ray> = questions.iter().map(|(ray, ..)| *ray).collect();
-        let ours = solvers.ours.answer(&air, &solvers.columns, &rays)?;
-        let solvers_now = &solvers;
-        let mut points = Vec::new();
+        let ours = solver.ours.answer(&air, &solver.columns, &rays)?;
+        let solver = &*solver;
+        let mut points: Vec<(usize, Point)> = Vec::new();
         for_each_parallel(
-            questions.len(),
-            |i| {
-                let (ray, direction, sun_deg) = questions[i];
-                let sources = [Source::at_zenith_angle(sun_deg.to_radians())];
-                tracer.radiance(&sources, ray.altitude_m, direction, &effort, i as u64).map(|answer| Point {
-                    ray,
-                    reference: answer.value,
-                    relative_error: answer.relative_error(),
-                    ours: ours[i],
-                    usual: solvers_now.usual.radiance(&air, &solvers_now.columns, &ray),
-                    usual_converged: solvers_now.usual_converged.radiance(&air, &solvers_now.columns, &ray),
-                })
+            rays.len(),
+            |i| Point {
+                ray: rays[i],
+                truth: truths[i],
+                ours: ours[i],
+                single: march(&air, &solver.columns, &rays[i], 64).radiance_per_sr,
+                usual: solver.usual.radiance(&air, &solver.columns, &rays[i]),
+                usual_converged: solver.usual_converged.radiance(&air, &solver.columns, &rays[i]),
             },
-            |_, point| {
-                if let Ok(point) = point {
-                    // Where the reference shows nothing (space beside the air) there is no relative error.
-                    if point.reference.iter().all(|value| *value > 0.0) {
-                        points.push(point);
-                    }
+            |i, point| {
+                // Where the reference shows nothing (space beside the air) there is no relative error.
+                if point.truth.value.iter().all(|value| *value > 0.0) {
+                    points.push((i, point));
                 }
                 true
             },
         );
-        let mut noise: Vec<f64> = points.iter().map(|point| point.relative_error).collect();
-        let column = |of: &dyn Fn(&Point) -> [f64; 3]| {
-            let mut errors: Vec<f64> = points
-                .iter()
-                .flat_map(|point| {
-                    let value = of(point);
-                    (0..3).map(move |k| (value[k] / point.reference[k] - 1.0).abs()).collect::<Vec<_>>()
-                })
-                .collect();
-            format!("{} / {}", percent(quantile(&mut errors, 0.5)), percent(quantile(&mut errors, 0.95)))
-        };
-        let single = |point: &Point| himmel_air::single::march(&air, &solvers.columns, &point.ray, 64).radiance_per_sr;
-        let _ = writeln!(
-            text,
-            "| {} | {} × 3 | {} | {} | {} | {} | {} |",
-            class.name,
-            points.len(),
-            percent(quantile(&mut noise, 0.5)),
-            column(&|point| point.ours),
-            column(&single),
-            column(&|point| point.usual_converged),
-            column(&|point| point.usual),
-        );
-        eprintln!("{}", text.lines().last().unwrap_or_default());
-        let mut worst: Vec<(f64, String)> = points
-            .iter()
-            .flat_map(|point| {
-                (0..3).map(move |k| {
-                    let error = point.ours[k] / point.reference[k] - 1.0;
-                    let deg = |cosine: f64| cosine.acos().to_degrees();
-                    let line = format!(
-                        "{:+.1} % at {} nm: Sun {:.1}°, view {:.1}°, {:.1}° apart, {:.1} km",
-                        100.0 * error,
-                        WAVELENGTHS_NM[k],
-                        deg(point.ray.mu_s),
-                        deg(point.ray.mu),
-                        deg(point.ray.nu),
-                        point.ray.altitude_m / 1e3
-                    );
-                    (error.abs(), line)
-                })
-            })
-            .collect();
-        worst.sort_by(|a, b| b.0.total_cmp(&a.0));
-        let mean: f64 =
-            points.iter().flat_map(|point| (0..3).map(move |k| point.ours[k] / point.reference[k] - 1.0)).sum::<f64>()
-                / (3.0 * points.len() as f64).max(1.0);
-        let _ = writeln!(
-            worst_text,
-            "- {}: mean {:+.2} %; worst {}",
-            class.name,
-            100.0 * mean,
-            worst.first().map_or("", |(_, line)| line)
-        );
-        last = Some((class.preset, solvers));
+        points.sort_by_key(|(i, _)| *i);
+        Ok(points.into_iter().map(|(_, point)| point).collect())
     }
-    let _ = write!(
-        text,
-        "\nMedian / 95th percentile of the relative error in %, at 680, 550, 440 nm; fresh random points, parallel Sun, all views \
-         upwards except from 30 km and space. \"Reference ±\": median standard error of the tracer.\n\n{worst_text}\n{notes}"
-    );
-    Ok(text)
 }
 
-struct Solvers {
+struct Solver {
     columns: Columns,
     ours: Ours,
     usual: Hillaire<3>,
@@ -260,7 +281,8 @@ impl Ours {
     }
 }
 
-fn percent(value: f64) -> String {
+/// A share in %, in about two digits.
+pub fn percent(value: f64) -> String {
     match 100.0 * value {
         v if v < 1.0 => format!("{v:.2}"),
         v if v < 10.0 => format!("{v:.1}"),

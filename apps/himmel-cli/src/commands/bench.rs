@@ -1,7 +1,7 @@
 //! `himmel bench`
 
 use himmel::bench::{self, Medians, Options, Report};
-use himmel::{Gpu, GpuError, Scene};
+use himmel::{Gpu, GpuError, Scene, bench_stars};
 use serde_json::json;
 
 use super::scene::SceneArgs;
@@ -11,7 +11,7 @@ use crate::{Failure, out};
 /// Arguments of `himmel bench`.
 #[derive(clap::Args)]
 #[command(
-    after_help = "Examples:\n  himmel bench\n  himmel bench --size 1920x1080 --frames 51 --json\n  himmel bench --adapter swiftshader --preset mars --set light.sun.altitude_deg=-4\n\nHillaire is the approximation that most engines draw (Hillaire 2020), at its usual sizes; it redoes its tables of Sun and\ncamera in each frame, or all of its tables. Frames of all kinds are drawn in turn, the Sun moves from frame to frame, and\nthe exposure is fixed (EV100 14 unless --exposure says another).\n\nTimes are of the adapter that is named; on a software rasteriser compare ratios only. Other work on the\nmachine delays the two unequally: if fastest and median lie far apart, measure again when it is quiet."
+    after_help = "Examples:\n  himmel bench\n  himmel bench --size 1920x1080 --frames 51 --json\n  himmel bench --stars --fov 60\n  himmel bench --adapter swiftshader --preset mars --set light.sun.altitude_deg=-4\n\nHillaire is the approximation that most engines draw (Hillaire 2020), at its usual sizes; it redoes its tables of Sun and\ncamera in each frame, or all of its tables. Frames of all kinds are drawn in turn, the Sun moves from frame to frame, and\nthe exposure is fixed (EV100 14 unless --exposure says another).\n\nTimes are of the adapter that is named; on a software rasteriser compare ratios only. Other work on the\nmachine delays the two unequally: if fastest and median lie far apart, measure again when it is quiet."
 )]
 pub struct Args {
     #[command(flatten)]
@@ -25,6 +25,9 @@ pub struct Args {
     /// low, medium, high, or film: as --set air.quality=NAME.
     #[arg(long, value_name = "NAME")]
     quality: Option<String>,
+    /// Measure what 9,000 stars on screen add to a night instead.
+    #[arg(long)]
+    stars: bool,
     /// Print it as JSON.
     #[arg(long)]
     json: bool,
@@ -34,12 +37,15 @@ pub struct Args {
 pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     let mut scene = args.scene.scene()?;
     if args.scene.time.is_none() && args.scene.scene.is_none() {
-        scene.set("clock.time", "2012-09-06T16:00Z")?;
+        scene.set("clock.time", if args.stars { "2012-01-20T22:00Z" } else { "2012-09-06T16:00Z" })?;
     }
     if let Some(quality) = &args.quality {
         scene.set("air.quality", quality)?;
     }
     let gpu = Gpu::open(args.scene.adapter.as_deref())?;
+    if args.stars {
+        return stars(&gpu, &scene, args, quiet);
+    }
     let progress = Progress::new("measuring", quiet);
     let options = Options { frames: args.frames as usize, warm_up: args.warm_up as usize };
     let report = bench::run(&gpu, &scene, options, &mut |share| progress.update(share));
@@ -54,6 +60,38 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     } else {
         print_table(&report, args, &scene);
     }
+    Ok(())
+}
+
+/// What stars add to a night.
+fn stars(gpu: &Gpu, scene: &Scene, args: &Args, quiet: bool) -> Result<(), Failure> {
+    let progress = Progress::new("measuring", quiet);
+    let options = Options { frames: args.frames as usize, warm_up: args.warm_up as usize };
+    let report = bench_stars::run(gpu, scene, options, &mut |share| progress.update(share));
+    drop(progress);
+    let report = match report {
+        Err(himmel::Error::Gpu(GpuError::Cancelled)) => return Err(Failure::failed("stopped: nothing was measured")),
+        report => report?,
+    };
+    if args.json {
+        let json = json!({
+            "adapter": { "name": report.adapter.name },
+            "width_px": scene.output.width_px,
+            "height_px": scene.output.height_px,
+            "stars": report.stars,
+            "frame_median_ms": { "without": report.without.frame_ms, "with": report.with.frame_ms },
+            "frame_fastest_ms": { "without": report.without.fastest_ms, "with": report.with.fastest_ms },
+            "stars_ms": report.cost_ms(),
+        });
+        out!("{}", serde_json::to_string_pretty(&json).map_err(|e| Failure::failed(e.to_string()))?);
+        return Ok(());
+    }
+    out!("adapter   {}", report.adapter);
+    out!("frame     {}×{}, {} stars on screen", scene.output.width_px, scene.output.height_px, report.stars);
+    for (name, medians) in [("without stars", &report.without), ("with stars", &report.with)] {
+        out!("{name:<14} {:>8.2} ms, fastest {:>8.2} ms", medians.frame_ms, medians.fastest_ms);
+    }
+    out!("stars add {:.2} ms by the fastest frames", report.cost_ms());
     Ok(())
 }
 

@@ -265,6 +265,20 @@ fn object(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<serde_
         });
         object.insert("moon".into(), moon);
     }
+    let night = scene.night.map(|night| {
+        serde_json::json!({
+            "zenith_cd_m2": night.sum_cd_m2(),
+            "zenith_mag_arcsec2": night.mag_arcsec2(),
+            "airglow_cd_m2": night.airglow_cd_m2,
+            "zodiacal_light_cd_m2": night.zodiacal_cd_m2,
+            "starlight_cd_m2": night.starlight_cd_m2,
+            "scattered_cd_m2": night.scattered_cd_m2,
+            "light_pollution_cd_m2": night.pollution_cd_m2,
+            "twilight_cd_m2": night.twilight_cd_m2,
+            "drawn_stars_mean_cd_m2": night.drawn_stars_cd_m2,
+        })
+    });
+    object.insert("night".into(), night.into());
     object.insert("limiting_magnitude".into(), scene.limiting_magnitude().into());
     Ok(object.into())
 }
@@ -320,6 +334,9 @@ fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<(), Fai
         }
         out!("all lights   {} lx on a level surface", digits(scene.horizontal_illuminance_lx()));
     }
+    if let Some(night) = &scene.night {
+        print_night(night);
+    }
     out!("stars        to magnitude {:.1} there", scene.limiting_magnitude());
     if scene.eclipse_fraction < 1.0 {
         // The solvers' skies are lit by a whole Sun: the scene's light is the one that knows.
@@ -342,6 +359,32 @@ fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<(), Fai
         _ => out!("solver       reference, {} paths, seed {}", args.samples, args.seed),
     }
     Ok(())
+}
+
+/// The zenith of a night, part by part.
+fn print_night(night: &himmel::NightZenith) {
+    out!("night        zenith {} cd/m², {:.2} mag/arcsec²", digits(night.sum_cd_m2()), night.mag_arcsec2());
+    for (name, cd_m2) in NIGHT_PARTS.iter().zip(night_parts(night)) {
+        let s10 = cd_m2 / himmel::parts::gpu::phenomena::night_glow::S10_CD_M2;
+        out!("  {name:<15} {:>9} cd/m², {s10:>7.1} S10", digits(cd_m2));
+    }
+    let share = digits(night.drawn_stars_cd_m2);
+    out!("  (stars that are drawn one by one: {share} cd/m² on the mean over the sky, not in the sum)");
+}
+
+/// Names of [`night_parts`].
+const NIGHT_PARTS: [&str; 6] =
+    ["airglow", "zodiacal light", "starlight", "their scattering", "cities", "twilight, Moon"];
+
+fn night_parts(night: &himmel::NightZenith) -> [f64; 6] {
+    [
+        night.airglow_cd_m2,
+        night.zodiacal_cd_m2,
+        night.starlight_cd_m2,
+        night.scattered_cd_m2,
+        night.pollution_cd_m2,
+        night.twilight_cd_m2,
+    ]
 }
 
 /// Four digits, for people.

@@ -1,10 +1,10 @@
 //! `himmel render`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use himmel::picture::{FileFormat, check_writable, render, save};
-use himmel::{Exposure, Gpu, Output, Picture, Scene, SkyModel};
+use himmel::picture::{FileFormat, check_writable, render_with, save};
+use himmel::{Exposure, Gpu, Output, Picture, Scene, SkyModel, TablesCache};
 use serde::Serialize;
 
 use super::render_reference::{self, ReferenceArgs};
@@ -36,6 +36,9 @@ pub struct Args {
     /// Write the scene as a file too, with the time that was shown, for --scene.
     #[arg(long, value_name = "FILE.toml")]
     save_scene: Option<PathBuf>,
+    /// Where the air's finished tables are kept for the next time: a folder, or off. Unset: the platform's cache.
+    #[arg(long, value_name = "DIR|off", env = "HIMMEL_CACHE")]
+    cache: Option<PathBuf>,
     /// Print the report as JSON.
     #[arg(long)]
     json: bool,
@@ -99,7 +102,9 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
             args.reference.refuse()?;
             let gpu = Gpu::open(args.scene.adapter.as_deref())?;
             let progress = Progress::new("rendering", quiet);
-            let picture = render(&gpu, &model, format.output(), &mut |share| progress.update(share))?;
+            let cache = cache(args.cache.as_deref());
+            let picture =
+                render_with(&gpu, &model, format.output(), cache.as_ref(), &mut |share| progress.update(share))?;
             if !progress.update(1.0) {
                 return Err(himmel::GpuError::Cancelled.into());
             }
@@ -193,6 +198,15 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
     }
     out!("picture      {} ({}×{}) in {:.2} s", report.file, report.width_px, report.height_px, report.seconds);
     unfinished
+}
+
+/// The cache that `--cache` names.
+fn cache(wanted: Option<&Path>) -> Option<TablesCache> {
+    match wanted {
+        None => TablesCache::platform(),
+        Some(word) if word.as_os_str() == "off" => None,
+        Some(folder) => Some(TablesCache::in_folder(folder)),
+    }
 }
 
 /// What a solver hands back.

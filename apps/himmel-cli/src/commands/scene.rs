@@ -36,10 +36,10 @@ pub struct SceneArgs {
     /// Width and height in pixels.
     #[arg(long, value_name = "WxH", allow_hyphen_values = true)]
     pub size: Option<String>,
-    /// EV100, auto (meter the picture), or none (cd/m²; the default for .exr and .hdr).
+    /// EV100, auto (meter the picture), camera (output.aperture, shutter_s, iso), or none (cd/m²; the default for .exr and .hdr).
     #[arg(long, value_name = "EV", allow_hyphen_values = true)]
     pub exposure: Option<String>,
-    /// linear, reinhard, hejl, agx, agx-punchy, or neutral.
+    /// linear, reinhard, hejl, agx, agx-punchy, neutral, eye, or eye-blue.
     #[arg(long, value_name = "NAME")]
     pub tonemap: Option<String>,
     /// Any parameter of `himmel params`, such as air.aerosols=2; may be given several times.

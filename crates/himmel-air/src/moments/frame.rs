@@ -69,7 +69,22 @@ pub fn radiance<const N: usize>(
     ray: &Ray,
     steps: usize,
 ) -> [f64; N] {
-    let Some(view) = view(air, ray) else { return [0.0; N] };
+    radiance_to(air, columns, moments, ray, steps, f64::INFINITY)
+}
+
+/// As [`radiance`] of the first `limit_m` metres of the ray alone: what the air before something there scatters towards the
+/// viewer. The ground counts if it is nearer. β is that of the stretch.
+///
+/// Laws tested: nothing at 0; at infinity [`radiance`]; without aerosols stretches add up through the transmittance.
+pub fn radiance_to<const N: usize>(
+    air: &Sampled<'_, N>,
+    columns: &Columns,
+    moments: &Moments<N>,
+    ray: &Ray,
+    steps: usize,
+    limit_m: f64,
+) -> [f64; N] {
+    let Some(view) = view(air, ray, limit_m) else { return [0.0; N] };
     let seen = march(air, columns, moments, &view, steps, true);
     std::array::from_fn(|k| {
         // Their difference is small where it is sure; the polynomial's undershoot must not become negative light.
@@ -86,7 +101,7 @@ pub fn smooth_radiance<const N: usize>(
     ray: &Ray,
     steps: usize,
 ) -> [f64; N] {
-    let Some(view) = view(air, ray) else { return [0.0; N] };
+    let Some(view) = view(air, ray, f64::INFINITY) else { return [0.0; N] };
     march(air, columns, moments, &view, steps, false).s.map(|light| light.max(0.0))
 }
 
@@ -134,7 +149,7 @@ pub fn irradiance<const N: usize>(
             for j in 0..directions.azimuth.max(1) {
                 let azimuth = PI * (j as f64 + 0.5) / directions.azimuth.max(1) as f64;
                 let nu = (mu * mu_s + sin * sin_s * azimuth.cos()).clamp(-1.0, 1.0);
-                let Some(view) = view(air, &Ray { altitude_m, mu, mu_s, nu }) else { continue };
+                let Some(view) = view(air, &Ray { altitude_m, mu, mu_s, nu }, f64::INFINITY) else { continue };
                 let light = march(air, columns, moments, &view, directions.steps, false).s;
                 let sum = if mu > 0.0 { &mut result.down } else { &mut result.up };
                 let weight = mu.abs() * d_mu * 2.0 * PI / directions.azimuth.max(1) as f64;
@@ -147,16 +162,17 @@ pub fn irradiance<const N: usize>(
     result
 }
 
-/// Where the ray runs.
-fn view<const N: usize>(air: &Sampled<'_, N>, ray: &Ray) -> Option<View> {
+/// Where the ray runs, at most to a distance from its start.
+fn view<const N: usize>(air: &Sampled<'_, N>, from: &Ray, limit_m: f64) -> Option<View> {
     let (radius_m, top_m) = (air.medium.bottom_radius_m, air.medium.top_altitude_m);
-    let from_space = ray.altitude_m > top_m;
-    let ray = enter(radius_m, top_m, &Ray { altitude_m: ray.altitude_m.max(0.0), ..*ray })?;
+    let from_space = from.altitude_m > top_m;
+    let ray = enter(radius_m, top_m, &Ray { altitude_m: from.altitude_m.max(0.0), ..*from })?;
     let hit = ground_distance(radius_m, ray.altitude_m, ray.mu);
-    let ground = hit >= 0.0;
-    let end = if ground { hit } else { top_distance(radius_m, top_m, ray.altitude_m, ray.mu) };
+    let air_ends = if hit >= 0.0 { hit } else { top_distance(radius_m, top_m, ray.altitude_m, ray.mu) };
+    let before_m = if from_space { (radius_m + top_m) * ray.mu - (radius_m + from.altitude_m) * from.mu } else { 0.0 };
+    let end = air_ends.min(limit_m - before_m).max(0.0);
     let (from, to) = shadow_interval(radius_m, ray.altitude_m, ray.mu, ray.mu_s, ray.nu);
-    Some(View { ray, end, ground, dark: (from.min(end), to.min(end)), from_space })
+    Some(View { ray, end, ground: hit >= 0.0 && end == hit, dark: (from.min(end), to.min(end)), from_space })
 }
 
 /// Boundaries of the cells: 30 % by what each stretch scatters towards the viewer, 70 % by √t (from space: by nearness

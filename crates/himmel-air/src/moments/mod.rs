@@ -40,13 +40,15 @@ mod peak;
 mod prepared;
 mod quality;
 mod rays;
+mod scaled;
 mod table;
 #[cfg(test)]
 mod tests;
 
-pub use frame::{Irradiance, irradiance, radiance, smooth_radiance};
+pub use frame::{Irradiance, irradiance, radiance, radiance_to, smooth_radiance};
 pub use prepared::{Aerosol, Prepared, Species};
 pub use quality::Quality;
+pub use scaled::Scaled;
 pub use table::sun_columns;
 
 use crate::columns::Columns;

@@ -230,6 +230,38 @@ fn the_first_order_is_the_march() {
 /// ∫ B_U dω = 1 and ∫ B_S dω = f (1 − e^(−τ))/τ: no light is lost or made; B → p in thin air; and both are the sums of
 /// the recipe, term by term.
 #[test]
+fn stretches_of_clear_air_add_up() {
+    let mut medium = bruneton();
+    medium
+        .components
+        .retain(|component| component.phase.as_ref().is_none_or(|phase| matches!(phase, Phase::Rayleigh { .. })));
+    let columns = Columns::new(&medium);
+    let air = medium.sampled(&[440.0]);
+    let moments = Moments::build(&air, &columns, &quick());
+    for (view_zenith_deg, sun_zenith_deg) in [(60.0, 40.0), (91.0, 85.0), (88.0, 93.0)] {
+        let from = ray(2000.0, view_zenith_deg, sun_zenith_deg, 30.0);
+        let cells = 2000;
+        let [whole] = radiance(&air, &columns, &moments, &from, cells);
+        assert_eq!(radiance_to(&air, &columns, &moments, &from, cells, f64::INFINITY), [whole]);
+        assert_eq!(radiance_to(&air, &columns, &moments, &from, cells, 0.0), [0.0]);
+        let d = 4e4;
+        let [near] = radiance_to(&air, &columns, &moments, &from, cells, d);
+        let (r0, radius_m) = (medium.bottom_radius_m + from.altitude_m, medium.bottom_radius_m);
+        let r = (r0 * r0 + d * d + 2.0 * r0 * from.mu * d).sqrt();
+        let there = Ray {
+            altitude_m: r - radius_m,
+            mu: (r0 * from.mu + d) / r,
+            mu_s: (r0 * from.mu_s + d * from.nu) / r,
+            nu: from.nu,
+        };
+        let [beyond] = radiance(&air, &columns, &moments, &there, cells);
+        let through = |ray: &Ray| march(&air, &columns, ray, cells).transmittance[0];
+        let sum = near + through(&from) / through(&there) * beyond;
+        assert!(near < whole && (sum / whole - 1.0).abs() < 2e-3, "{view_zenith_deg} {sun_zenith_deg}: {sum} {whole}");
+    }
+}
+
+#[test]
 fn forward_peaks_keep_their_light() {
     let g = 0.8f64;
     let mut medium = bruneton();

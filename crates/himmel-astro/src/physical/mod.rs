@@ -13,9 +13,9 @@ pub use appearance::{Appearance, Earthshine, parallactic_angle_rad, position_ang
 pub use jupiter_moons::{GalileanMoon, GalileanView, galilean_moons_m};
 pub use magnitude::{moon_surge, planet_magnitude};
 pub use moon::{Libration, MoonOrientation};
-pub use saturn::{RingAspect, SATURN_RING_EDGES_M};
+pub use saturn::{RingAspect, SATURN_RING_EDGES_M, pole_icrs};
 
 /// Illuminance in lx of a light of visual magnitude V: 2.54e-6 lx · 10^(−0.4 V)   [allen1973].
 pub fn illuminance_lx(v_magnitude: f64) -> f64 {
-    2.54e-6 * 10f64.powf(-0.4 * v_magnitude)
+    himmel_core::constants::ILLUMINANCE_OF_V_0_LX * 10f64.powf(-0.4 * v_magnitude)
 }

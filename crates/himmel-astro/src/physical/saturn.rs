@@ -9,10 +9,13 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 /// Radii of the rings' edges in m, inside out: C inner, B inner, B outer, A inner, A outer   [nssdc2016].
 pub const SATURN_RING_EDGES_M: [f64; 5] = [74_658e3, 92_000e3, 117_580e3, 122_170e3, 136_775e3];
 
-/// North pole of Saturn and Uranus along ICRS axes   [archinal2018, table 1]; `None` for bodies whose pole nothing here needs.
-pub(super) fn pole_icrs(body: Body, tdb: JulianDateTdb) -> Option<DVec3> {
+/// North pole of Mars, Jupiter, Saturn and Uranus along ICRS axes   [archinal2018, table 1; Mars and Jupiter without their short waves,
+/// 0.2°]; `None` for bodies whose pole nothing here needs.
+pub fn pole_icrs(body: Body, tdb: JulianDateTdb) -> Option<DVec3> {
     let t = tdb.centuries_since_j2000();
     let (ra_deg, dec_deg) = match body {
+        Body::Mars => (317.269 - 0.1093 * t, 54.433 - 0.0588 * t),
+        Body::Jupiter => (268.057 - 0.006 * t, 64.497 + 0.002 * t),
         Body::Saturn => (40.589 - 0.036 * t, 83.537 - 0.004 * t),
         Body::Uranus => (257.311, -15.175),
         _ => return None,

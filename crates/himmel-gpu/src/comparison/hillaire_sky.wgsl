@@ -70,7 +70,7 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
         return vec4f(clamp(luminance, vec3f(-hillaire.largest), vec3f(hillaire.largest)), 1.0);
     }
     // 1e30 keeps the tone mappers finite; negative values are colours outside Rec. 709.
-    var encoded = tonemap(hillaire.tonemap, clamp(luminance, vec3f(0.0), vec3f(1e30)));
+    var encoded = tonemap(hillaire.tonemap, clamp(luminance, vec3f(0.0), vec3f(1e30)), hillaire.exposure);
     if hillaire.dither_levels > 0.0 {
         encoded += triangular_noise(vec2u(in.position.xy + hillaire.pixel)) / hillaire.dither_levels;
     }

@@ -2,6 +2,7 @@
 
 use glam::{DMat3, DVec3};
 
+use super::eye::{NIGHT_BLUE, seen_by_eye};
 use super::params::Tonemap;
 
 /// Display encoding of sRGB, 0..1 to 0..1 [iec61966-2-1].
@@ -104,8 +105,17 @@ pub fn tonemap_neutral(colour: DVec3) -> DVec3 {
     srgb_encode(shifted.clamp(DVec3::ZERO, DVec3::ONE))
 }
 
-/// One of the tone mappers.
-pub fn tonemap(operator: Tonemap, colour: DVec3) -> DVec3 {
+/// What an eye sees of it, then [`tonemap_agx_punchy`].
+///
+/// `exposure`: what luminance was multiplied by to give `colour`.  `rod_colour`: see [`seen_by_eye`].
+pub fn tonemap_eye(colour: DVec3, exposure: f64, rod_colour: DVec3) -> DVec3 {
+    // 1e-20 for pictures that nobody exposed.
+    let factor = exposure.max(1e-20);
+    tonemap_agx_punchy((seen_by_eye(colour / factor, rod_colour) * factor).max(DVec3::ZERO))
+}
+
+/// One of the tone mappers. `exposure`: what luminance was multiplied by to give `colour`.
+pub fn tonemap(operator: Tonemap, colour: DVec3, exposure: f64) -> DVec3 {
     match operator {
         Tonemap::Linear => tonemap_linear(colour),
         Tonemap::Reinhard => tonemap_reinhard(colour),
@@ -113,6 +123,8 @@ pub fn tonemap(operator: Tonemap, colour: DVec3) -> DVec3 {
         Tonemap::Agx => tonemap_agx(colour),
         Tonemap::AgxPunchy => tonemap_agx_punchy(colour),
         Tonemap::Neutral => tonemap_neutral(colour),
+        Tonemap::Eye => tonemap_eye(colour, exposure, DVec3::ONE),
+        Tonemap::EyeBlue => tonemap_eye(colour, exposure, NIGHT_BLUE),
     }
 }
 
@@ -135,13 +147,13 @@ mod tests {
         for &operator in Tonemap::ALL {
             let mut last = -1e-9;
             for i in 0..2000 {
-                let grey = tonemap(operator, DVec3::splat(1e-4 * 1.01f64.powi(i)));
+                let grey = tonemap(operator, DVec3::splat(1e-4 * 1.01f64.powi(i)), 1e-4);
                 assert!(grey.is_finite() && grey.min_element() >= 0.0 && grey.max_element() <= 1.0 + 1e-9);
                 assert!(grey.y >= last - 2e-3, "{operator:?} falls at {i}: {last} {}", grey.y);
                 assert!((grey.x - grey.z).abs() < 2e-3, "{operator:?}: greys stay grey");
                 last = grey.y;
             }
-            assert!(tonemap(operator, DVec3::ZERO).max_element() < 0.01, "{operator:?}");
+            assert!(tonemap(operator, DVec3::ZERO, 1.0).max_element() < 0.01, "{operator:?}");
             assert!(last > 0.97, "{operator:?} ends at {last}");
         }
     }

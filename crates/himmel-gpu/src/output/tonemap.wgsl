@@ -1,6 +1,8 @@
 // From scene-linear Rec. 709 to the display. Twins in output/tonemap.rs. Each tone mapper takes exposed, non-negative
 // colour and returns display-encoded values 0..1.
 
+//#include "output/eye.wgsl"
+
 fn srgb_encode(linear: vec3f) -> vec3f {
     let low = 12.92 * linear;
     let high = 1.055 * pow(max(linear, vec3f(0.0031308)), vec3f(1.0 / 2.4)) - 0.055;
@@ -78,16 +80,27 @@ fn tonemap_neutral(colour: vec3f) -> vec3f {
     return srgb_encode(clamp(shifted, vec3f(0.0), vec3f(1.0)));
 }
 
-// The operator that a pipeline is made for; 6: whichever the caller names. Rasterisers on CPUs run all that a switch has.
-override tonemap_operator: u32 = 6u;
+// What an eye sees, then agx-punchy. `exposure`: what luminance was multiplied by to give `colour`; `rod_colour`: see
+// `seen_by_eye`.
+fn tonemap_eye(colour: vec3f, exposure: f32, rod_colour: vec3f) -> vec3f {
+    // 1e-20 for pictures that nobody exposed.
+    let factor = max(exposure, 1e-20);
+    // 1e30: finite in f32.
+    return tonemap_agx_punchy(max(seen_by_eye(min(colour / factor, vec3f(1e30)), rod_colour) * factor, vec3f(0.0)));
+}
 
-fn tonemap(mapper: u32, colour: vec3f) -> vec3f {
-    switch select(mapper, tonemap_operator, tonemap_operator < 6u) {
+// The operator that a pipeline is made for; 8: whichever the caller names. Rasterisers on CPUs run all that a switch has.
+override tonemap_operator: u32 = 8u;
+
+fn tonemap(mapper: u32, colour: vec3f, exposure: f32) -> vec3f {
+    switch select(mapper, tonemap_operator, tonemap_operator < 8u) {
         case 0u: { return tonemap_linear(colour); }
         case 1u: { return tonemap_reinhard(colour); }
         case 2u: { return tonemap_hejl(colour); }
         case 3u: { return tonemap_agx(colour); }
         case 4u: { return tonemap_agx_punchy(colour); }
-        default: { return tonemap_neutral(colour); }
+        case 5u: { return tonemap_neutral(colour); }
+        case 6u: { return tonemap_eye(colour, exposure, vec3f(1.0)); }
+        default: { return tonemap_eye(colour, exposure, NIGHT_BLUE); }
     }
 }

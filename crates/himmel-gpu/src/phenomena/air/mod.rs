@@ -13,6 +13,7 @@
 mod apply;
 pub mod build;
 mod query;
+mod saved;
 mod sizes;
 mod stations;
 mod tables;
@@ -29,6 +30,8 @@ pub(crate) use apply::Apply;
 pub use apply::{ApplyAir, ApplyUniform, ShadowMap};
 use build::{Builder, Pace, Rebuild, Upload};
 pub use query::{Query, RayAnswer, RayMeter};
+pub(crate) use saved::Kept;
+pub use saved::{TablesKey, TablesReadBack};
 pub use sizes::AirSizes;
 pub(crate) use stations::{Stations, view_slot};
 use tables::Tables;
@@ -48,6 +51,8 @@ pub(crate) struct Air {
     eclipse_b: f64,
     frame_buffer: wgpu::Buffer,
     exposure: wgpu::TextureView,
+    /// Finished tables of airs that were in hand before.
+    kept: Kept,
 }
 
 impl Air {
@@ -122,11 +127,30 @@ impl Air {
             eclipse_b: 0.0,
             frame_buffer: frame_buffer.clone(),
             exposure: exposure.clone(),
+            kept: Kept::default(),
         })
     }
 
-    /// Takes another medium; true if the tables, and with them every bind group, are new.
+    /// Takes another medium; true if the tables, and with them every bind group, are new. Tables that were kept need no
+    /// rebuild.
     pub(crate) fn set(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        sizes: AirSizes,
+        atmosphere: &Atmosphere,
+    ) -> Result<bool, GpuError> {
+        if self.builder.is_complete() && self.kept.capacity() > 0 {
+            self.kept.keep(device, queue, self.key(device)?, self.tables.computed());
+        }
+        let renewed = self.take(device, queue, sizes, atmosphere)?;
+        if self.kept.capacity() > 0 && self.kept.restore(device, queue, &self.key(device)?, self.tables.computed()) {
+            self.builder.finish();
+        }
+        Ok(renewed)
+    }
+
+    fn take(
         &mut self,
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -143,8 +167,40 @@ impl Air {
             }
         }
         let (frame_buffer, exposure) = (self.frame_buffer.clone(), self.exposure.clone());
-        *self = Self::with_prepared(device, queue, sizes, atmosphere, &prepared, &frame_buffer, &exposure)?;
+        let new = Self::with_prepared(device, queue, sizes, atmosphere, &prepared, &frame_buffer, &exposure)?;
+        let kept = std::mem::take(&mut self.kept);
+        *self = Self { kept, ..new };
         Ok(true)
+    }
+
+    /// The tables of so many airs stay on the GPU when others take their place.
+    pub(crate) fn set_kept(&mut self, count: usize) {
+        self.kept.set_capacity(count);
+    }
+
+    /// Their memory in bytes.
+    pub(crate) fn kept_bytes(&self) -> u64 {
+        self.kept.bytes()
+    }
+
+    /// What the tables are made of.
+    pub(crate) fn key(&self, device: &wgpu::Device) -> Result<TablesKey, GpuError> {
+        TablesKey::new(&self.sizes, &self.tables, &device.adapter_info())
+    }
+
+    /// Starts to read the finished tables back.
+    pub(crate) fn save(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<TablesReadBack, GpuError> {
+        if !self.builder.is_complete() {
+            return Err(GpuError::Tables("they are not finished: wait until nothing is rebuilding".into()));
+        }
+        Ok(TablesReadBack::new(device, queue, self.key(device)?, self.tables.computed()))
+    }
+
+    /// Fills the tables from what was saved.
+    pub(crate) fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) -> Result<(), GpuError> {
+        saved::load(queue, &self.key(device)?, self.tables.computed(), bytes)?;
+        self.builder.finish();
+        Ok(())
     }
 
     /// Values of the shaders' overrides for the air in hand.
@@ -188,9 +244,9 @@ impl Air {
         self.builder.cancel();
     }
 
-    /// Memory in bytes: tables, and what building them needs.
+    /// Memory in bytes: tables, those that are kept, and what building them needs.
     pub(crate) fn bytes(&self) -> u64 {
-        self.tables.bytes() + self.stations.bytes() + self.builder.bytes()
+        self.tables.bytes() + self.stations.bytes() + self.builder.bytes() + self.kept.bytes()
     }
 
     /// The quality's sizes with a number of cells chosen by hand.

@@ -12,8 +12,8 @@ pub struct AirSizes {
     pub densities: u32,
     /// Directions and altitudes of the optical depth. Too few: the colour of the low Sun steps.
     pub depth: [u32; 2],
-    /// Azimuths (over half a circle) and elevations of the sky view; `None`: every pixel marches its own ray. Too few:
-    /// soft twilight arch and horizon.
+    /// Azimuths (over half a circle) and elevations of the sky view's rays, between which it is interpolated; `None`:
+    /// every pixel marches its own ray. Too few: soft twilight arch and horizon.
     pub sky_view: Option<[u32; 2]>,
     /// Elevations of the table that says where the cells of a ray lie.
     pub cell_rows: u32,
@@ -41,7 +41,7 @@ impl AirSizes {
             AirQuality::High => Self {
                 densities: 512,
                 depth: [128, 64],
-                sky_view: Some([40, 90]),
+                sky_view: Some([24, 72]),
                 cell_rows: 48,
                 steps: 24,
                 froxels: Some(32),
@@ -51,7 +51,7 @@ impl AirSizes {
                 moments: Quality { rows: 24, columns: 48, max_orders: 12, ..recipe },
                 densities: 512,
                 depth: [128, 64],
-                sky_view: Some([36, 72]),
+                sky_view: Some([20, 60]),
                 cell_rows: 36,
                 steps: 20,
                 froxels: Some(32),
@@ -69,7 +69,7 @@ impl AirSizes {
                 },
                 densities: 256,
                 depth: [128, 64],
-                sky_view: Some([32, 60]),
+                sky_view: Some([16, 48]),
                 cell_rows: 24,
                 steps: 16,
                 froxels: Some(24),

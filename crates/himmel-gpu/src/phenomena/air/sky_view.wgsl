@@ -1,44 +1,32 @@
-// The sky view of a station: what its rays see, over azimuth from each light and elevation, for pixels to look up.
+// The rays of a station's sky view, over azimuth from each light and elevation: what the table is made of.
 
 //#include "phenomena/air/sky_view_table.wgsl"
 
-@group(2) @binding(0) var sky_view_out: texture_storage_2d_array<rgba16float, write>;
+// Layers of a light: radiance without the aerosols' peaks; the peaks over their mean phase function. 1/sr.
+@group(2) @binding(0) var rays_out: texture_storage_2d_array<rgba32float, write>;
 
 // z: the light.
 @compute @workgroup_size(8, 8)
-fn fill_sky_view(@builtin(global_invocation_id) id: vec3u) {
-    let size = textureDimensions(sky_view_out);
+fn march_sky_view(@builtin(global_invocation_id) id: vec3u) {
+    let size = textureDimensions(rays_out);
     if any(id.xy >= size) {
         return;
     }
-    let radius = airs[body].bottom_radius_m;
-    let mu = texel_mu(i32(id.y), i32(size.y), view.altitude_m);
-    let sine = sqrt(max(1.0 - mu * mu, 0.0));
-    let azimuth = 2.0 * asin(f32(id.x) / f32(size.x - 1u));
-    let mu_s = view.lights[id.z].mu_s;
-    let sine_s = sqrt(max(1.0 - mu_s * mu_s, 0.0));
-    // From the light's own frame: the chord keeps the digits of small angles.
-    let ray = vec3f(sine * cos(azimuth), sine * sin(azimuth), mu);
-    let sun = vec3f(sine_s, 0.0, mu_s);
-    let theta = angle_between(ray, sun);
-    let start = enter(view.altitude_m, mu, sine, mu_s, clamp(dot(ray, sun), -1.0, 1.0), theta);
-    let row = elevation_texel(
-        asin(mu), asin(horizon_cosine(radius, view.altitude_m)), i32(id.y) < rows_below(i32(size.y)),
-        cell_rows());
+    let ray = sky_view_ray(id.xy, size, id.z);
+    let start = enter(view.altitude_m, ray.direction.z, ray.sine, view.lights[id.z].mu_s, ray.nu, ray.theta);
+    let below = i32(id.y) < rows_below(i32(size.y));
+    let horizon = asin(horizon_cosine(airs[body].bottom_radius_m, view.altitude_m));
+    let row = elevation_texel(asin(ray.direction.z), horizon, below, cell_rows());
     // Rays to the ground are short, or seen through thin air from above.
-    let steps = select(frame.steps, max(frame.steps / 2u, 4u), i32(id.y) < rows_below(i32(size.y)));
+    let steps = select(frame.steps, max(frame.steps / 2u, 4u), below);
     let air = march_air(start, row, steps, 1e30);
     let layer = sky_view_layer(id.z);
-    let scale = sky_view_scale(id.z);
-    if aerosols == 0u {
-        store(id.xy, layer, scale * air.radiance);
-        return;
+    textureStore(rays_out, id.xy, layer, air.radiance);
+    if aerosols > 0u {
+        let coordinate = theta_coordinate_of(ray.theta);
+        let peaks = peaks_of(air.weights, air.depths, coordinate, start.nu);
+        textureStore(rays_out, id.xy, layer + 1u, peaks / mean_phase(coordinate));
     }
-    let coordinate = theta_coordinate_of(theta);
-    let peaks = peaks_of(air.weights, air.depths, coordinate, start.nu);
-    let share = table_share(theta);
-    store(id.xy, layer, scale * (air.radiance + share * peaks));
-    store(id.xy, layer + 1u, scale * (1.0 - share) * peaks / mean_phase(coordinate));
 }
 
 // The aerosols' peaks from a ray's weights and mean depths, at an angle to the light.
@@ -50,9 +38,4 @@ fn peaks_of(weights: array<vec4f, 8>, depths: vec2f, coordinate: f32, nu: f32) -
         sum += weights[2u * a + 1u] * peak_unscaled(a, phase, coordinate, depths.y);
     }
     return sum;
-}
-
-// 65504 is the largest half float.
-fn store(texel: vec2u, layer: u32, value: vec4f) {
-    textureStore(sky_view_out, texel, layer, clamp(value, vec4f(-65504.0), vec4f(65504.0)));
 }

@@ -21,6 +21,27 @@ fn sky_view_layer(light: u32) -> u32 {
     return (view.station * frame.light_count + light) * 2u;
 }
 
+// The ray of a texel in a light's own frame: z up, x towards its azimuth.
+struct SkyViewRay {
+    direction: vec3f,
+    // Of the zenith angle.
+    sine: f32,
+    // Angle to the light and its cosine.
+    theta: f32,
+    nu: f32,
+}
+
+fn sky_view_ray(texel: vec2u, size: vec2u, light: u32) -> SkyViewRay {
+    let mu = texel_mu(i32(texel.y), i32(size.y), view.altitude_m);
+    let sine = sqrt(max(1.0 - mu * mu, 0.0));
+    let azimuth = 2.0 * asin(f32(texel.x) / f32(size.x - 1u));
+    let mu_s = view.lights[light].mu_s;
+    let direction = vec3f(sine * cos(azimuth), sine * sin(azimuth), mu);
+    let sun = vec3f(sqrt(max(1.0 - mu_s * mu_s, 0.0)), 0.0, mu_s);
+    // From the chord, which keeps the digits of small angles.
+    return SkyViewRay(direction, sine, angle_between(direction, sun), clamp(dot(direction, sun), -1.0, 1.0));
+}
+
 // Factor that the table's light is stored with.
 fn sky_view_scale(light: u32) -> f32 {
     return textureLoad(cell_table, vec2i(i32(light), cell_rows()), view.station, 0).x;

@@ -12,16 +12,22 @@ pub(crate) const CELL_COLUMNS: u32 = 65;
 
 /// Half floats, which every adapter filters; scaled by each light, see `cells.wgsl`.
 const SKY_VIEW_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+const RAYS_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Float;
+/// Texels of the sky view for each of its rays, along each side.
+const FINER: u32 = 2;
 
 /// Tables for a number of stations, with their passes.
 pub(crate) struct Stations {
     cells: wgpu::Texture,
+    rays: wgpu::Texture,
     sky_view: wgpu::Texture,
-    sky_view_size: Option<[u32; 2]>,
+    sky_view_rays: Option<[u32; 2]>,
     cells_pipeline: wgpu::ComputePipeline,
-    sky_view_pipeline: wgpu::ComputePipeline,
+    march_pipeline: wgpu::ComputePipeline,
+    refine_pipeline: wgpu::ComputePipeline,
     cells_layout: wgpu::BindGroupLayout,
-    sky_view_layout: wgpu::BindGroupLayout,
+    march_layout: wgpu::BindGroupLayout,
+    refine_layout: wgpu::BindGroupLayout,
     station_layout: wgpu::BindGroupLayout,
     marching_layout: wgpu::BindGroupLayout,
     /// For each number of stations and buffer of views.
@@ -34,7 +40,8 @@ struct Groups {
     station: wgpu::BindGroup,
     marching: wgpu::BindGroup,
     cells: wgpu::BindGroup,
-    sky_view: wgpu::BindGroup,
+    march: wgpu::BindGroup,
+    refine: wgpu::BindGroup,
 }
 
 /// The uniform of a view, with a dynamic offset.
@@ -53,7 +60,9 @@ impl Stations {
         let station_layout = layout(device, "station", only, &[(0, view_slot())]);
         let marching_layout = layout(device, "station, marching", only, &[(0, view_slot()), (1, Slot::Layers)]);
         let cells_layout = layout(device, "cells", only, &[(0, Slot::WriteLayers(wgpu::TextureFormat::Rg32Float))]);
-        let sky_view_layout = layout(device, "sky view", only, &[(0, Slot::WriteLayers(SKY_VIEW_FORMAT))]);
+        let march_layout = layout(device, "sky view rays", only, &[(0, Slot::WriteLayers(RAYS_FORMAT))]);
+        let slots = [(0, Slot::Layers), (1, Slot::WriteLayers(SKY_VIEW_FORMAT))];
+        let refine_layout = layout(device, "sky view", only, &slots);
         let constants = tables.constants();
         let cells_pipeline = compute(
             device,
@@ -62,22 +71,32 @@ impl Stations {
             &constants,
             &[air_layout, &station_layout, &cells_layout],
         );
-        let sky_view_pipeline = compute(
+        let march_pipeline = compute(
             device,
             &pass::module(device, "phenomena/air/sky_view.wgsl")?,
-            "fill_sky_view",
+            "march_sky_view",
             &[constants[0], constants[1], ("split_peaks", 1.0), ("group_cells", 4.0)],
-            &[air_layout, &marching_layout, &sky_view_layout],
+            &[air_layout, &marching_layout, &march_layout],
         );
-        let (cells, sky_view) = textures(device, sizes, 1, 1);
+        let refine_pipeline = compute(
+            device,
+            &pass::module(device, "phenomena/air/sky_view_refine.wgsl")?,
+            "refine_sky_view",
+            &constants,
+            &[air_layout, &marching_layout, &refine_layout],
+        );
+        let [cells, rays, sky_view] = textures(device, sizes, 1, 1);
         Ok(Self {
             cells,
+            rays,
             sky_view,
-            sky_view_size: sizes.sky_view,
+            sky_view_rays: sizes.sky_view,
             cells_pipeline,
-            sky_view_pipeline,
+            march_pipeline,
+            refine_pipeline,
             cells_layout,
-            sky_view_layout,
+            march_layout,
+            refine_layout,
             station_layout,
             marching_layout,
             groups: None,
@@ -88,7 +107,7 @@ impl Stations {
 
     /// Memory of the tables in bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        texture_bytes(&self.cells) + texture_bytes(&self.sky_view)
+        texture_bytes(&self.cells) + texture_bytes(&self.rays) + texture_bytes(&self.sky_view)
     }
 
     /// The tables, for the bind groups of views.
@@ -103,7 +122,7 @@ impl Stations {
             return false;
         }
         self.capacity = wanted.next_power_of_two();
-        (self.cells, self.sky_view) = textures(device, sizes, stations.next_power_of_two(), self.capacity);
+        [self.cells, self.rays, self.sky_view] = textures(device, sizes, stations.next_power_of_two(), self.capacity);
         self.groups = None;
         true
     }
@@ -111,12 +130,19 @@ impl Stations {
     /// Says which buffer holds the views.
     pub(crate) fn bind_views(&mut self, device: &wgpu::Device, buffer: &wgpu::Buffer) {
         let [cells, sky_view] = self.views();
+        let rays = layers(&self.rays);
         let view = (0, Bound::Part(buffer, size_of::<ViewUniform>() as u64));
         self.groups = Some(Groups {
             station: bind(device, "station", &self.station_layout, &[view]),
             marching: bind(device, "station, marching", &self.marching_layout, &[view, (1, Bound::View(&cells))]),
             cells: bind(device, "cells", &self.cells_layout, &[(0, Bound::View(&cells))]),
-            sky_view: bind(device, "sky view", &self.sky_view_layout, &[(0, Bound::View(&sky_view))]),
+            march: bind(device, "sky view rays", &self.march_layout, &[(0, Bound::View(&rays))]),
+            refine: bind(
+                device,
+                "sky view",
+                &self.refine_layout,
+                &[(0, Bound::View(&rays)), (1, Bound::View(&sky_view))],
+            ),
         });
     }
 
@@ -138,16 +164,19 @@ impl Stations {
         offset: u32,
         lights: u32,
     ) {
-        let (Some(groups), Some([width, height])) = (&self.groups, self.sky_view_size) else { return };
-        pass.set_pipeline(&self.sky_view_pipeline);
+        let (Some(groups), Some([width, height])) = (&self.groups, self.sky_view_rays) else { return };
+        pass.set_pipeline(&self.march_pipeline);
         pass.set_bind_group(0, air_group, &[]);
         pass.set_bind_group(1, &groups.marching, &[offset]);
-        pass.set_bind_group(2, &groups.sky_view, &[]);
+        pass.set_bind_group(2, &groups.march, &[]);
         pass.dispatch_workgroups(width.div_ceil(8), height.div_ceil(8), lights);
+        pass.set_pipeline(&self.refine_pipeline);
+        pass.set_bind_group(2, &groups.refine, &[]);
+        pass.dispatch_workgroups((FINER * width).div_ceil(8), (FINER * height).div_ceil(8), lights);
     }
 }
 
-fn textures(device: &wgpu::Device, sizes: &AirSizes, stations: u32, lights: u32) -> (wgpu::Texture, wgpu::Texture) {
+fn textures(device: &wgpu::Device, sizes: &AirSizes, stations: u32, lights: u32) -> [wgpu::Texture; 3] {
     let texture = |label, [width, height]: [u32; 2], layers, format| {
         device.create_texture(&wgpu::TextureDescriptor {
             label: Some(label),
@@ -161,8 +190,11 @@ fn textures(device: &wgpu::Device, sizes: &AirSizes, stations: u32, lights: u32)
         })
     };
     let layers = 2 * lights;
-    (
+    // Where every pixel marches its own ray, the least that the shaders' tables may be.
+    let rays = sizes.sky_view.unwrap_or([4, 12]);
+    [
         texture("cells", [CELL_COLUMNS, sizes.cell_rows + 1], stations, wgpu::TextureFormat::Rg32Float),
-        texture("sky view", sizes.sky_view.unwrap_or([2, 6]), layers, SKY_VIEW_FORMAT),
-    )
+        texture("sky view rays", rays, layers, RAYS_FORMAT),
+        texture("sky view", rays.map(|size| FINER * size), layers, SKY_VIEW_FORMAT),
+    ]
 }

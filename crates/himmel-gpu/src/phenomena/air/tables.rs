@@ -3,6 +3,7 @@
 use himmel_air::Atmosphere;
 use himmel_air::eclipse::{CROSSING, INSIDE};
 use himmel_air::moments::{Prepared, sun_columns};
+use sha2::{Digest, Sha256};
 
 use super::sizes::AirSizes;
 use super::uniform::{AirUniform, MOST_BODIES};
@@ -20,6 +21,8 @@ pub(crate) struct Tables {
     pub peaks: wgpu::Texture,
     pub ground: wgpu::Texture,
     airs: Vec<AirUniform>,
+    /// Of what was uploaded for each body.
+    fingerprints: Vec<[u8; 32]>,
 }
 
 impl Tables {
@@ -51,11 +54,12 @@ impl Tables {
         Self {
             uniforms,
             density: texture("densities", [sizes.densities, DENSITY_ROWS], bodies, uploaded),
-            depth: texture("optical depth", sizes.depth, 2 * bodies, computed),
+            depth: texture("optical depth", sizes.depth, 2 * bodies, both),
             moments: texture("moments", [columns, rows], 6 * bodies, both),
             peaks: texture("peaks", peaks, aerosols, uploaded),
             ground: texture("ground irradiance", [columns, bodies.max(2)], 1, both),
             airs: vec![AirUniform::default(); MOST_BODIES],
+            fingerprints: vec![[0; 32]; MOST_BODIES],
         }
     }
 
@@ -70,6 +74,7 @@ impl Tables {
     ) -> Result<(), GpuError> {
         self.airs[body] = AirUniform::new(atmosphere, prepared, first_layer)?;
         queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&self.airs));
+        let mut fingerprint = Sha256::new_with_prefix(bytemuck::bytes_of(&self.airs[body]));
         let (medium, width) = (atmosphere.medium(), self.density.width() as usize);
         let altitude_m = |x: usize| medium.top_altitude_m * (x as f64 / (width - 1) as f64).powi(2);
         let mut density = vec![[0f32; 4]; width * DENSITY_ROWS as usize];
@@ -83,6 +88,7 @@ impl Tables {
             density[(DENSITY_ROWS as usize - 1) * width + x] = suns.map(|value| value as f32);
         }
         write(queue, &self.density, body, &density);
+        fingerprint.update(bytemuck::cast_slice(&density));
         let (angles, depths) = (prepared.angles, prepared.depths);
         for (index, aerosol) in prepared.aerosols.iter().enumerate() {
             let mut texels = Vec::with_capacity(angles * (2 * depths + 2));
@@ -95,8 +101,20 @@ impl Tables {
                 texels.extend(row.iter().map(|phase| phase.map(|value| value as f32)));
             }
             write(queue, &self.peaks, first_layer + index, &texels);
+            fingerprint.update(bytemuck::cast_slice(&texels));
         }
+        self.fingerprints[body] = fingerprint.finalize().into();
         Ok(())
+    }
+
+    /// Of everything that was uploaded.
+    pub(crate) fn fingerprints(&self) -> &[[u8; 32]] {
+        &self.fingerprints
+    }
+
+    /// What is computed from it: the tables that can be saved.
+    pub(crate) fn computed(&self) -> [&wgpu::Texture; 3] {
+        [&self.depth, &self.moments, &self.ground]
     }
 
     /// Values of the shaders' overrides for the air in hand, see `medium.wgsl`.

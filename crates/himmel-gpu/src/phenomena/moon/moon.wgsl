@@ -58,9 +58,12 @@ fn moon_light(ray: vec3f, dx: vec3f, dy: vec3f) -> MoonLight {
         let here = base + shift - tangent * (bend.y * dot(shift, tangent));
         let aside = here - centre * dot(here, centre);
         let off = length(aside);
-        let cover = clamp(0.5 + (sine - off) * f32(side) / pixel, 0.0, 1.0);
-        let normal = sphere_normal(aside, centre, sine);
-        let mu = sqrt(max(1.0 - off * off / (sine * sine), 0.0));
+        let half = 0.5 * pixel / f32(side);
+        let cover = clamp(0.5 + 0.5 * (sine - off) / half, 0.0, 1.0);
+        // On the limb the middle of the part that is covered shines for all of it.
+        let at = select(off, clamp(0.5 * (off - half + sine), 0.0, sine), off + half > sine);
+        let normal = sphere_normal(aside * (at / max(off, 1e-9)), centre, sine);
+        let mu = sqrt(max(1.0 - at * at / (sine * sine), 0.0));
         sum.radiance += cover * moon_radiance(normal, mu, pixel / (sine * f32(side)));
         sum.cover += cover;
     }

@@ -155,6 +155,8 @@ pub(crate) struct Builder {
     total_cost: f64,
     done_cost: f64,
     orders: u32,
+    /// Whether it was stopped before its end.
+    cancelled: bool,
 }
 
 fn directions(quality: &Quality) -> (u32, u32) {
@@ -340,6 +342,7 @@ impl Builder {
             total_cost: 0.0,
             done_cost: 0.0,
             orders: 0,
+            cancelled: false,
             quality,
             draft,
         })
@@ -373,6 +376,7 @@ impl Builder {
         self.total_cost = steps.iter().map(|step| self.cost(step)).sum();
         self.done_cost = 0.0;
         self.orders = 0;
+        self.cancelled = false;
         self.steps = steps;
         if let Ok(mut read) = self.read.lock() {
             read.values.clear();
@@ -381,7 +385,19 @@ impl Builder {
 
     /// Stops; the tables keep the orders that they have.
     pub(crate) fn cancel(&mut self) {
+        self.cancelled |= !self.steps.is_empty();
         self.steps.clear();
+    }
+
+    /// The tables are filled from elsewhere: nothing is left to do.
+    pub(crate) fn finish(&mut self) {
+        self.steps.clear();
+        self.cancelled = false;
+    }
+
+    /// Whether the tables hold all orders.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.steps.is_empty() && !self.cancelled
     }
 
     /// How far it is; `None` if nothing is left to do.

@@ -1,0 +1,26 @@
+//! Stars: points of light, and all other points that are drawn like them.
+//!
+//! One list of points lies on the GPU; a frame uploads only uniforms. For each view one invocation moves a star by its
+//! proper motion, by parallax, aberration, precession and nutation, lifts it by the air's refraction, dims and reddens it by
+//! the air's optical depth, lets it twinkle, and drops it behind ground, Sun and Moon. The fragment stage spreads its light.
+//!
+//! - **The core** is a cubic B-spline four pixels wide ([`model::core_weight`]): whatever the projection, field of view or
+//!   resolution, luminance times solid angle sums to the star's illuminance, and its centroid is its place, exactly.
+//!   Seeing widens it where a pixel is finer.
+//! - **Glare** spreads the light that a pixel cannot hold as an eye or a lens does ([`model::glare_coefficients`]); what it
+//!   takes the core lacks. It ends where it falls to 2 % of middle grey.
+//! - **Finished pictures** get what a point changes: tonemap(sky + point) − tonemap(sky), with the sky of the same tables.
+//! - **What it costs**: `docs/night-sky.md`.
+//! - **What it leaves out**: deflection by the Sun (0.01″ at 45°), dispersion (a star at the horizon is no spectrum, though its
+//!   colours twinkle apart), radial velocities, variable stars.
+//! - **Known to look wrong**: two points within four pixels in a finished picture add up in display values; a star vanishes
+//!   at once at the horizon and at the Moon's edge; targets that cannot blend (32-bit floats on some adapters) show no stars.
+
+pub mod model;
+mod params;
+mod pass;
+
+pub use model::{Hider, PointBody, StarField, StarList, StarPoint};
+pub use params::{Glare, PointSpread, StarsParams};
+pub use pass::{MOST_BODIES, MOST_HIDERS, PointLight, PointsUniform, SeenPoint};
+pub(crate) use pass::{Points, PointsScene, adding_pipeline, view_of_points};

@@ -1,0 +1,734 @@
+//! The list of points on the GPU, its uniforms, its pipelines.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+use himmel_air::Starlight;
+use himmel_air::refraction::Bending;
+use himmel_core::constants::ILLUMINANCE_OF_V_0_LX;
+
+use super::model::{
+    GLARE_FARTHEST_RAD, GLARE_FLOOR, GLARE_SOFT_RAD, Hider, PointBody, StarField, StarList, glare_coefficients,
+    scintillation_at_zenith, thesis_core_scale, wave_phases, wavelength_shift, wavelength_strength,
+};
+use super::params::{Glare, PointSpread, StarsParams};
+use crate::error::GpuError;
+use crate::layout::gpu_struct;
+use crate::output::params::Tonemap;
+use crate::pass::{Bound, Slot, bind, layout, module};
+use crate::phenomena::planets::{Discs, PlanetDisc, disc_slots};
+use crate::phenomena::sun::BendingUniform;
+use crate::target::{DepthDirection, Output, Target};
+use crate::view::{Projection, View};
+
+/// Most points of a frame besides stars.
+pub const MOST_BODIES: usize = 128;
+/// Most discs that hide points.
+pub const MOST_HIDERS: usize = 4;
+/// Views of a frame that have points: their prepared points stay below WebGPU's 128 MiB of a buffer.
+const MOST_VIEWS: usize = 64;
+/// Rows of a picture whose size nobody told: fewer would cut cores off.
+const FEWEST_ROWS: f64 = 360.0;
+
+gpu_struct! {
+    /// A point as the list keeps it; the fields are explained in `points.wgsl`.
+    pub struct PointLight {
+        /// Unit vector.
+        pub place: [f32; 3],
+        /// Annual parallax, rad.
+        pub parallax: f32,
+        /// Change of the place per Julian year.
+        pub velocity: [f32; 3],
+        /// Share of scintillation.
+        pub scintillation: f32,
+        /// Irradiance relative to the preset's star at 1 au.
+        pub four: [f32; 4],
+        /// Full width of what is no point, rad.
+        pub width: f32,
+        /// Fills up.
+        pub padding_0: f32,
+        /// Fills up.
+        pub padding_1: f32,
+        /// Fills up.
+        pub padding_2: f32,
+    }
+}
+
+gpu_struct! {
+    /// What the points of a list and a view share; the fields are explained in `points.wgsl`.
+    pub struct PointsUniform {
+        /// First column of view-from-list.
+        pub view_from_list_x: [f32; 3],
+        /// Years since J2000.0.
+        pub years: f32,
+        /// Second column.
+        pub view_from_list_y: [f32; 3],
+        /// Seeing, rad.
+        pub seeing: f32,
+        /// Third column.
+        pub view_from_list_z: [f32; 3],
+        /// Scintillation at the zenith.
+        pub scintillation: f32,
+        /// Velocity by the speed of light.
+        pub beta: [f32; 3],
+        /// Exposed value at which glare ends.
+        pub glare_floor: f32,
+        /// Observer, au.
+        pub observer_au: [f32; 3],
+        /// Softening of glare, rad.
+        pub glare_soft: f32,
+        /// Glare.
+        pub glare: [f32; 3],
+        /// Discs in use.
+        pub hiders: u32,
+        /// Refraction over true elevation.
+        pub lift: BendingUniform,
+        /// Discs.
+        pub hider: [[f32; 4]; MOST_HIDERS],
+        /// Waves of scintillation.
+        pub phases: [[f32; 4]; 2],
+        /// How far wavelengths lie apart.
+        pub shift: [f32; 4],
+        /// How strongly each twinkles.
+        pub strength: [f32; 4],
+        /// A pixel in ndc.
+        pub pixel: [f32; 2],
+        /// Of a linear projection.
+        pub area: f32,
+        /// Illuminance of m_a.
+        pub thesis_lx: f32,
+        /// I_T.
+        pub thesis_core_scale: f32,
+        /// Radius of its glare.
+        pub thesis_glare_px: f32,
+        /// Points of the list.
+        pub count: u32,
+        /// Where its prepared points begin.
+        pub first: u32,
+        /// Bits of points that are drawn as discs.
+        pub discs: [u32; 4],
+    }
+}
+
+gpu_struct! {
+    /// A point as a view sees it; the fields are explained in `points.wgsl`.
+    pub struct SeenPoint {
+        /// In ndc.
+        pub centre: [f32; 2],
+        /// In ndc.
+        pub half_size: [f32; 2],
+        /// Illuminance, share of the core.
+        pub light: [f32; 4],
+        /// The sky behind.
+        pub sky: [f32; 3],
+        /// Widening across.
+        pub widen_x: f32,
+        /// The sky behind, finished.
+        pub finished_sky: [f32; 3],
+        /// Widening upward.
+        pub widen_y: f32,
+        /// Direction, radius of glare.
+        pub seen: [f32; 4],
+        /// Softening, own number, radius of the thesis' glare.
+        pub own: [f32; 4],
+    }
+}
+
+/// What pipelines of points differ in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Kind {
+    linear: bool,
+    marching: bool,
+    several_lights: bool,
+    eclipsed: bool,
+    tonemap: Tonemap,
+    glare: bool,
+    rays: bool,
+    thesis: bool,
+}
+
+/// What the renderer tells about the frame.
+pub(crate) struct PointsScene<'a> {
+    pub stars: Option<&'a StarField>,
+    pub bodies: &'a [PointBody],
+    pub planets: &'a [PlanetDisc],
+    pub hiders: &'a [Hider],
+    pub bending: &'a Arc<Bending>,
+    pub altitude_m: f64,
+    pub several_lights: bool,
+    pub eclipsed: bool,
+    pub tonemap: Tonemap,
+}
+
+/// What is drawn of a view: pipelines, uniform slot of the list, points, whether twice.
+#[derive(Clone, Copy, Debug)]
+struct Draw {
+    kind: Kind,
+    bodies: bool,
+    slot: u32,
+    points: u32,
+    twice: bool,
+}
+
+/// The discs of a view: pipeline, uniform slot of its points, first slot and number of discs.
+#[derive(Clone, Copy, Debug)]
+struct DiscDraw {
+    kind: Kind,
+    points_slot: u32,
+    first: usize,
+    count: usize,
+}
+
+/// Draws points into the host's pass.
+pub(crate) struct Points {
+    device: wgpu::Device,
+    target: Target,
+    module: wgpu::ShaderModule,
+    pipeline_layout: wgpu::PipelineLayout,
+    moving_pipeline_layout: wgpu::PipelineLayout,
+    layouts: Layouts,
+    constants: [(&'static str, f64); 2],
+    pipelines: HashMap<Kind, (wgpu::ComputePipeline, wgpu::RenderPipeline)>,
+    uniforms: wgpu::Buffer,
+    stride: u64,
+    capacity: usize,
+    stars: wgpu::Buffer,
+    bodies: wgpu::Buffer,
+    prepared: wgpu::Buffer,
+    groups: Groups,
+    /// The list that is on the GPU; none after an edit of the light.
+    uploaded: Option<Arc<StarList>>,
+    /// Refraction over true elevation, and what it was made from.
+    lift: Option<(Arc<Bending>, BendingUniform)>,
+    draws: Vec<[Option<Draw>; 2]>,
+    discs: Discs,
+    /// Made when a disc is first drawn.
+    disc_module: Option<wgpu::ShaderModule>,
+    disc_pipeline_layout: wgpu::PipelineLayout,
+    disc_pipelines: HashMap<Kind, wgpu::RenderPipeline>,
+    disc_draws: Vec<Option<DiscDraw>>,
+    /// Whether the target blends at all.
+    blends: bool,
+}
+
+/// Layouts of group 2: moving points, drawing them.
+struct Layouts {
+    moving: wgpu::BindGroupLayout,
+    drawing: wgpu::BindGroupLayout,
+}
+
+/// Groups 2: moving stars, moving bodies, drawing either.
+struct Groups {
+    moving: [wgpu::BindGroup; 2],
+    drawing: wgpu::BindGroup,
+}
+
+fn list(device: &wgpu::Device, label: &str, bytes: usize) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some(label),
+        size: bytes as u64,
+        usage: wgpu::BufferUsages::STORAGE | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+fn uniforms(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
+    device.create_buffer(&wgpu::BufferDescriptor {
+        label: Some("points"),
+        size,
+        usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+        mapped_at_creation: false,
+    })
+}
+
+impl Points {
+    /// `groups`: the layouts of the air and of a view.
+    pub(crate) fn new(
+        device: &wgpu::Device,
+        target: &Target,
+        groups: [&wgpu::BindGroupLayout; 2],
+        constants: [(&'static str, f64); 2],
+    ) -> Result<Self, GpuError> {
+        let uniform = Slot::Uniform(size_of::<PointsUniform>() as u64, true);
+        let moving = [(0, uniform), (1, Slot::Buffer(false)), (2, Slot::Buffer(true))];
+        let drawing = [(0, uniform), (3, Slot::Buffer(false))];
+        let layouts = Layouts {
+            moving: layout(device, "moving points", wgpu::ShaderStages::COMPUTE, &moving),
+            drawing: layout(device, "points", wgpu::ShaderStages::VERTEX_FRAGMENT, &drawing),
+        };
+        let pipeline_layout = |last| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some("points"),
+                bind_group_layouts: &[Some(groups[0]), Some(groups[1]), Some(last)],
+                immediate_size: 0,
+            })
+        };
+        let discs = Discs::new(device);
+        let disc_pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("planets"),
+            bind_group_layouts: &[Some(groups[0]), Some(groups[1]), Some(&layouts.drawing), Some(&discs.layout)],
+            immediate_size: 0,
+        });
+        let (moving_pipeline_layout, pipeline_layout) =
+            (pipeline_layout(&layouts.moving), pipeline_layout(&layouts.drawing));
+        let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
+        let stride = (size_of::<PointsUniform>() as u64).next_multiple_of(alignment);
+        let capacity = 16;
+        let uniforms = uniforms(device, stride * capacity as u64);
+        let (stars, bodies) = (
+            list(device, "stars", size_of::<PointLight>()),
+            list(device, "bodies", MOST_BODIES * size_of::<PointLight>()),
+        );
+        let prepared = list(device, "seen points", size_of::<SeenPoint>());
+        let features = target.colour.guaranteed_format_features(device.features());
+        let blends = features.flags.contains(wgpu::TextureFormatFeatureFlags::BLENDABLE);
+        if !blends {
+            tracing::warn!(
+                format = ?target.colour,
+                "stars stand aside: this device cannot blend the target's format; ask for FLOAT32_BLENDABLE or use Rgba16Float"
+            );
+        }
+        let groups = bind_groups(device, &layouts, &uniforms, [&stars, &bodies], &prepared);
+        Ok(Self {
+            device: device.clone(),
+            target: *target,
+            module: module(device, "phenomena/stars/points.wgsl")?,
+            pipeline_layout,
+            moving_pipeline_layout,
+            layouts,
+            constants,
+            pipelines: HashMap::new(),
+            uniforms,
+            stride,
+            capacity,
+            stars,
+            bodies,
+            prepared,
+            groups,
+            uploaded: None,
+            lift: None,
+            draws: Vec::new(),
+            discs,
+            disc_module: None,
+            disc_pipeline_layout,
+            disc_pipelines: HashMap::new(),
+            disc_draws: Vec::new(),
+            blends,
+        })
+    }
+
+    /// After an edit of the air: pipelines know how many components it has, colours know its light.
+    pub(crate) fn set_air(&mut self, constants: [(&'static str, f64); 2]) {
+        if constants != self.constants {
+            self.constants = constants;
+            self.pipelines.clear();
+            self.disc_pipelines.clear();
+        }
+        self.uploaded = None;
+    }
+
+    /// Refraction over true elevation, of the prepared frame.
+    pub(crate) fn lift(&self) -> BendingUniform {
+        self.lift.as_ref().map_or_else(BendingUniform::default, |(_, lift)| *lift)
+    }
+
+    /// Memory in bytes.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.stars.size() + self.bodies.size() + self.prepared.size()
+    }
+
+    /// Uploads the list of stars if it is another one than before.
+    fn upload(&mut self, queue: &wgpu::Queue, list_of_stars: &Arc<StarList>, starlight: &Starlight) {
+        if self.uploaded.as_ref().is_some_and(|known| Arc::ptr_eq(known, list_of_stars)) {
+            return;
+        }
+        let points: Vec<PointLight> = (list_of_stars.stars().iter())
+            .map(|star| PointLight {
+                place: star.place.as_vec3().to_array(),
+                parallax: star.parallax_rad as f32,
+                velocity: star.velocity_per_year.as_vec3().to_array(),
+                scintillation: 1.0,
+                four: starlight.of_black_body(star.temperature_k, star.illuminance_lx).map(|value| value as f32),
+                ..PointLight::default()
+            })
+            .collect();
+        let size = size_of_val(points.as_slice()) as u64;
+        if self.stars.size() < size {
+            self.stars = list(&self.device, "stars", size as usize);
+            self.bind();
+        }
+        if !points.is_empty() {
+            queue.write_buffer(&self.stars, 0, bytemuck::cast_slice(&points));
+        }
+        self.uploaded = Some(Arc::clone(list_of_stars));
+    }
+
+    fn bind(&mut self) {
+        let lists = [&self.stars, &self.bodies];
+        self.groups = bind_groups(&self.device, &self.layouts, &self.uniforms, lists, &self.prepared);
+    }
+
+    /// Prepares a frame. `marching`: of each view, whether its pixels march. `write` records an upload.
+    pub(crate) fn prepare(
+        &mut self,
+        queue: &wgpu::Queue,
+        scene: &PointsScene<'_>,
+        starlight: &Starlight,
+        views: &[View],
+        marching: &[bool],
+        write: &mut dyn FnMut(&wgpu::Buffer, u64, &[u8]),
+    ) -> Result<(), GpuError> {
+        self.draws.clear();
+        self.disc_draws.clear();
+        if !self.blends {
+            return Ok(());
+        }
+        let stars = scene.stars.filter(|field| field.params.enabled);
+        if let Some(field) = stars {
+            self.upload(queue, &field.list, starlight);
+        }
+        let star_count = stars.map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
+        let counts = [star_count, scene.bodies.len().min(MOST_BODIES)];
+        let together = counts[0] + counts[1];
+        if views.len() > MOST_VIEWS && together > 0 {
+            tracing::warn!(views = views.len(), most = MOST_VIEWS, "only the first views of a frame have stars");
+        }
+        let views = &views[..views.len().min(MOST_VIEWS)];
+        let bytes = views.len() * together * size_of::<SeenPoint>();
+        if self.prepared.size() < bytes as u64 {
+            self.prepared = list(&self.device, "seen points", bytes);
+            self.bind();
+        }
+        if 2 * views.len() > self.capacity {
+            self.capacity = (2 * views.len()).next_power_of_two();
+            self.uniforms = uniforms(&self.device, self.stride * self.capacity as u64);
+            self.bind();
+        }
+        if counts[1] > 0 {
+            let bodies: Vec<PointLight> = (scene.bodies.iter().take(MOST_BODIES))
+                .map(|body| PointLight {
+                    place: body.direction.normalize_or(DVec3::Z).as_vec3().to_array(),
+                    scintillation: body.scintillation as f32,
+                    width: body.width_rad as f32,
+                    four: body.irradiance.map(|value| value as f32),
+                    ..PointLight::default()
+                })
+                .collect();
+            write(&self.bodies, 0, bytemuck::cast_slice(&bodies));
+        }
+        let shown: Vec<Vec<usize>> = views.iter().map(|view| disc_slots(view, scene.planets)).collect();
+        self.discs.reserve(&self.device, shown.iter().map(Vec::len).sum());
+        let mut disc_slot = 0;
+        let lift = match &self.lift {
+            Some((of, lift)) if Arc::ptr_eq(of, scene.bending) => *lift,
+            _ => {
+                let lift = BendingUniform::new(&scene.bending.lift());
+                self.lift = Some((Arc::clone(scene.bending), lift));
+                lift
+            }
+        };
+        let defaults = StarsParams::default();
+        let params = scene.stars.map_or(&defaults, |field| &field.params);
+        let output = self.target.output;
+        let glare = params.glare_for(output);
+        for (index, view) in views.iter().enumerate() {
+            let linear = matches!(view.projection, Projection::Matrix(_));
+            let mut draws = [None; 2];
+            let mut disc_draw = None;
+            for (bodies, &count) in counts.iter().enumerate() {
+                let Some(mut uniform) = uniform_of(view, params, output, scene, starlight)? else { continue };
+                if count == 0 {
+                    continue;
+                }
+                uniform.lift = lift;
+                let view_from_enu = DMat3::from_mat4(view.enu_from_view).transpose();
+                if bodies == 1 {
+                    for &disc in &shown[index] {
+                        let body = scene.planets[disc].body;
+                        uniform.discs[(body / 32).min(3)] |= 1 << (body % 32);
+                    }
+                }
+                let field = stars.filter(|_| bodies == 0);
+                let view_from_list = field.map_or(view_from_enu, |field| view_from_enu * field.enu_from_icrs);
+                [uniform.view_from_list_x, uniform.view_from_list_y, uniform.view_from_list_z] =
+                    [view_from_list.x_axis, view_from_list.y_axis, view_from_list.z_axis]
+                        .map(|v| v.as_vec3().to_array());
+                uniform.count = count as u32;
+                uniform.first = (index * together + bodies * counts[0]) as u32;
+                if let Some(field) = field {
+                    uniform.years = field.years_since_j2000 as f32;
+                    uniform.beta = field.beta.as_vec3().to_array();
+                    uniform.observer_au = field.observer_au.as_vec3().to_array();
+                }
+                let slot = 2 * index + bodies;
+                write(&self.uniforms, slot as u64 * self.stride, bytemuck::bytes_of(&uniform));
+                let finished = output == Output::Display;
+                let physical = params.psf == PointSpread::Physical;
+                let kind = Kind {
+                    linear,
+                    // What is behind matters where it is tone mapped with the point.
+                    marching: finished && marching.get(index).copied().unwrap_or(true),
+                    several_lights: finished && scene.several_lights,
+                    eclipsed: finished && scene.eclipsed,
+                    tonemap: scene.tonemap,
+                    glare: physical && glare != Glare::None,
+                    rays: physical && glare == Glare::Eye && params.ciliary_corona,
+                    thesis: !physical,
+                };
+                self.make(kind);
+                if bodies == 1 && !shown[index].is_empty() {
+                    let kind = Kind { glare: false, rays: false, thesis: false, ..kind };
+                    if !self.disc_pipelines.contains_key(&kind) {
+                        let pipeline = self.disc_pipeline(kind)?;
+                        self.disc_pipelines.insert(kind, pipeline);
+                    }
+                    let count = shown[index].len();
+                    disc_draw = Some(DiscDraw { kind, points_slot: slot as u32, first: disc_slot, count });
+                    for &disc in &shown[index] {
+                        self.discs.write(view, &scene.planets[disc], disc_slot, write);
+                        disc_slot += 1;
+                    }
+                }
+                draws[bodies] = Some(Draw {
+                    kind,
+                    bodies: bodies == 1,
+                    slot: slot as u32,
+                    points: count as u32,
+                    twice: view.projection == Projection::Equirectangular,
+                });
+            }
+            self.draws.push(draws);
+            self.disc_draws.push(disc_draw);
+        }
+        Ok(())
+    }
+
+    fn make(&mut self, kind: Kind) {
+        if !self.pipelines.contains_key(&kind) {
+            let pipelines = self.pipelines_of(kind);
+            self.pipelines.insert(kind, pipelines);
+        }
+    }
+
+    /// Values of the shaders' overrides; the first is the depth at infinity.
+    fn overrides(&self, kind: Kind) -> [(&'static str, f64); 15] {
+        let on = |yes: bool| f64::from(u8::from(yes));
+        let reversed = matches!(self.target.depth, Some((_, DepthDirection::Reversed)));
+        [
+            ("far_depth", if reversed { 0.0 } else { 1.0 }),
+            ("finished", on(self.target.output == Output::Display)),
+            ("marching", on(kind.marching)),
+            ("with_horizon", 0.0),
+            ("with_aureole", 1.0),
+            ("with_disc", 0.0),
+            ("linear", on(kind.linear)),
+            ("several_lights", on(kind.several_lights)),
+            ("eclipses", on(kind.eclipsed)),
+            ("tonemap_operator", f64::from(kind.tonemap as u32)),
+            ("with_glare", on(kind.glare)),
+            ("with_corona_rays", on(kind.rays)),
+            ("as_thesis", on(kind.thesis)),
+            self.constants[0],
+            self.constants[1],
+        ]
+    }
+
+    fn pipelines_of(&self, kind: Kind) -> (wgpu::ComputePipeline, wgpu::RenderPipeline) {
+        let constants = self.overrides(kind);
+        let moving = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some("move_points"),
+            layout: Some(&self.moving_pipeline_layout),
+            module: &self.module,
+            entry_point: Some("move_points"),
+            compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
+            cache: None,
+        });
+        (moving, self.adding("points", &self.module, &self.pipeline_layout, ["point_vertex", "point_fragment"], kind))
+    }
+
+    fn disc_pipeline(&mut self, kind: Kind) -> Result<wgpu::RenderPipeline, GpuError> {
+        let shader = match &self.disc_module {
+            Some(shader) => shader.clone(),
+            None => self.disc_module.insert(module(&self.device, "phenomena/planets/disc.wgsl")?).clone(),
+        };
+        let entries = ["planet_vertex", "planet_fragment"];
+        Ok(self.adding("planets", &shader, &self.disc_pipeline_layout, entries, kind))
+    }
+
+    fn adding(
+        &self,
+        label: &str,
+        module: &wgpu::ShaderModule,
+        layout: &wgpu::PipelineLayout,
+        entries: [&str; 2],
+        kind: Kind,
+    ) -> wgpu::RenderPipeline {
+        adding_pipeline(&self.device, &self.target, label, module, layout, entries, &self.overrides(kind)[1..])
+    }
+
+    /// Whether the prepared frame has any.
+    pub(crate) fn any(&self) -> bool {
+        self.draws.iter().flatten().any(Option::is_some)
+    }
+
+    /// Records what moves the points of all views. `set_view`: binds groups 0 and 1 of a view.
+    pub(crate) fn record(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        set_view: &dyn Fn(&mut wgpu::ComputePass<'_>, usize),
+    ) {
+        for (index, draws) in self.draws.iter().enumerate() {
+            for draw in draws.iter().flatten() {
+                let Some((pipeline, _)) = self.pipelines.get(&draw.kind) else { continue };
+                pass.set_pipeline(pipeline);
+                set_view(pass, index);
+                let offset = (u64::from(draw.slot) * self.stride) as u32;
+                pass.set_bind_group(2, &self.groups.moving[usize::from(draw.bodies)], &[offset]);
+                pass.dispatch_workgroups(draw.points.div_ceil(64), 1, 1);
+            }
+        }
+    }
+
+    /// Draws the points of a view; groups 0 and 1 are those of its sky.
+    pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
+        for draw in self.draws.get(view_index).into_iter().flatten().flatten() {
+            let Some((_, pipeline)) = self.pipelines.get(&draw.kind) else { continue };
+            pass.set_pipeline(pipeline);
+            let offset = (u64::from(draw.slot) * self.stride) as u32;
+            pass.set_bind_group(2, &self.groups.drawing, &[offset]);
+            pass.draw(0..6 * draw.points, 0..1 + u32::from(draw.twice));
+        }
+        let Some(draw) = self.disc_draws.get(view_index).copied().flatten() else { return };
+        let Some(pipeline) = self.disc_pipelines.get(&draw.kind) else { return };
+        pass.set_pipeline(pipeline);
+        pass.set_bind_group(2, &self.groups.drawing, &[(u64::from(draw.points_slot) * self.stride) as u32]);
+        for slot in draw.first..draw.first + draw.count {
+            self.discs.bind(pass, slot);
+            pass.draw(0..6, 0..1);
+        }
+    }
+}
+
+/// A pipeline that adds to what is in the target; `constants`: overrides besides the depth at infinity.
+pub(crate) fn adding_pipeline(
+    device: &wgpu::Device,
+    target: &Target,
+    label: &str,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    [vertex, fragment]: [&str; 2],
+    constants: &[(&'static str, f64)],
+) -> wgpu::RenderPipeline {
+    let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
+    let far_depth = ("far_depth", if reversed { 0.0 } else { 1.0 });
+    let constants: Vec<_> = std::iter::once(far_depth).chain(constants.iter().copied()).collect();
+    let options = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
+    let add = wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::One,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    };
+    let colour = wgpu::ColorTargetState {
+        format: target.colour,
+        blend: Some(wgpu::BlendState { color: add, alpha: add }),
+        write_mask: wgpu::ColorWrites::COLOR,
+    };
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(label),
+        layout: Some(layout),
+        vertex: wgpu::VertexState { module, entry_point: Some(vertex), compilation_options: options(), buffers: &[] },
+        primitive: Default::default(),
+        depth_stencil: target.depth.map(|(format, direction)| wgpu::DepthStencilState {
+            format,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(match direction {
+                DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
+                DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
+            }),
+            stencil: Default::default(),
+            bias: Default::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: options(),
+            targets: &[Some(colour)],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+fn bind_groups(
+    device: &wgpu::Device,
+    layouts: &Layouts,
+    uniforms: &wgpu::Buffer,
+    lists: [&wgpu::Buffer; 2],
+    prepared: &wgpu::Buffer,
+) -> Groups {
+    let uniform = Bound::Part(uniforms, size_of::<PointsUniform>() as u64);
+    let moving = |list| [(0, uniform), (1, Bound::Buffer(list)), (2, Bound::Buffer(prepared))];
+    Groups {
+        moving: lists.map(|list| bind(device, "moving points", &layouts.moving, &moving(list))),
+        drawing: bind(device, "points", &layouts.drawing, &[(0, uniform), (3, Bound::Buffer(prepared))]),
+    }
+}
+
+/// What all lists of a view share; `None` for a projection that looks one way everywhere.
+fn uniform_of(
+    view: &View,
+    params: &StarsParams,
+    output: Output,
+    scene: &PointsScene<'_>,
+    starlight: &Starlight,
+) -> Result<Option<PointsUniform>, GpuError> {
+    let Some(shared) = view_of_points(view)? else { return Ok(None) };
+    let view_from_enu = DMat3::from_mat4(view.enu_from_view).transpose();
+    let mut hider = [[0f32; 4]; MOST_HIDERS];
+    for (slot, disc) in hider.iter_mut().zip(scene.hiders) {
+        let direction = (view_from_enu * disc.direction.normalize_or(DVec3::Z)).as_vec3();
+        *slot = direction.extend(2.0 * (0.5 * disc.radius_rad).sin() as f32).to_array();
+    }
+    let time_s = scene.stars.map_or(0.0, |field| field.time_s);
+    let phases = wave_phases(time_s, params.integration_s).map(|phase| phase as f32);
+    let strength = params.scintillation_for(output)
+        * scintillation_at_zenith(0.01 * params.aperture_cm, params.integration_s, scene.altitude_m);
+    let refraction_rad = scene.bending.deviation(std::f64::consts::FRAC_PI_4).0;
+    let [cube, square] = glare_coefficients(params.glare_for(output));
+    Ok(Some(PointsUniform {
+        seeing: (params.seeing_arcsec / 3600.0).to_radians() as f32,
+        scintillation: if refraction_rad > 0.0 { strength as f32 } else { 0.0 },
+        glare_floor: GLARE_FLOOR as f32,
+        glare_soft: GLARE_SOFT_RAD as f32,
+        glare: [cube, square, GLARE_FARTHEST_RAD].map(|value| value as f32),
+        hiders: scene.hiders.len().min(MOST_HIDERS) as u32,
+        hider,
+        phases: [[phases[0], phases[1], phases[2], phases[3]], [phases[4], phases[5], phases[6], phases[7]]],
+        shift: wavelength_shift(refraction_rad, scene.bending.ratio).map(|value| value as f32),
+        strength: wavelength_strength(starlight.wavelengths_nm()).map(|value| value as f32),
+        thesis_lx: (ILLUMINANCE_OF_V_0_LX * 10f64.powf(-0.4 * params.thesis_magnitude)) as f32,
+        ..shared
+    }))
+}
+
+/// What follows from a view alone; `None` for a projection that looks one way everywhere.
+pub(crate) fn view_of_points(view: &View) -> Result<Option<PointsUniform>, GpuError> {
+    let [origin, x, y] = view.rays()?;
+    let linear = matches!(view.projection, Projection::Matrix(_));
+    let area = origin.dot(x.cross(y)).abs();
+    if linear && (area.is_nan() || area <= 1e-30) {
+        return Ok(None);
+    }
+    let rows = if view.rows_px == 0 { FEWEST_ROWS } else { f64::from(view.rows_px) };
+    // Pixels are square.
+    let aspect = if linear { x.length() / y.length() } else { view.aspect };
+    Ok(Some(PointsUniform {
+        pixel: [(2.0 / (rows * aspect)) as f32, (2.0 / rows) as f32],
+        area: area as f32,
+        thesis_core_scale: thesis_core_scale(if linear { y.length() / rows } else { 0.5 / rows }) as f32,
+        thesis_glare_px: 2.0,
+        ..PointsUniform::default()
+    }))
+}
