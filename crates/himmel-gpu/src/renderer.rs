@@ -262,6 +262,7 @@ impl SkyRenderer {
         let view_slots: Vec<_> = [(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)]
             .into_iter()
             .chain(NightTextures::SLOTS)
+            .chain(MoonTextures::SLOTS)
             .collect();
         let view_layout =
             layout(device, "sky view", wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE, &view_slots);
@@ -269,7 +270,7 @@ impl SkyRenderer {
         let moon = MoonTextures::new(device, queue);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
-            bind_group_layouts: &[Some(&air.layout), Some(&view_layout), None, Some(&moon.layout)],
+            bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
             immediate_size: 0,
         });
         let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
@@ -292,7 +293,7 @@ impl SkyRenderer {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler, &night);
+        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler, &night, &moon);
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
@@ -378,7 +379,7 @@ impl SkyRenderer {
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
         self.view_group =
-            view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler, &self.night);
+            view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler, &self.night, &self.moon);
     }
 
     /// The target it draws to.
@@ -511,6 +512,7 @@ impl SkyRenderer {
         let lights = frame.suns().count() as u32;
         stale |= self.air.reserve(&self.device, stations.len() as u32, lights);
         stale |= frame.night.as_ref().is_some_and(|night| self.night.hold(&self.device, &self.queue, night));
+        stale |= frame.moon.as_ref().is_some_and(|moon| self.moon.hold(&self.device, &self.queue, moon));
         if stale {
             self.bind_views();
         }
@@ -523,9 +525,6 @@ impl SkyRenderer {
         for (slot, uniform) in uniforms.iter().enumerate() {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
-        }
-        if let Some(moon) = &frame.moon {
-            self.moon.hold(&self.device, &self.queue, moon);
         }
         let marching: Vec<bool> = uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0).collect();
         self.prepare_points(encoder, frame, views, &marching, lights > 1)?;
@@ -631,7 +630,7 @@ impl SkyRenderer {
     }
 
     /// Draws a view of the prepared frame into the host's pass, at infinite depth. Sets its own pipeline and bind
-    /// groups 0 to 3; touches nothing else. A view that was not prepared is left out with a warning.
+    /// groups 0 to 2; touches nothing else. A view that was not prepared is left out with a warning.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         if view_index >= self.prepared {
             tracing::warn!(view_index, prepared = self.prepared, "the sky was not prepared for this view");
@@ -731,7 +730,6 @@ impl SkyRenderer {
         pass.set_pipeline(self.pipelines.get(variant, kind));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
-        pass.set_bind_group(3, &self.moon.group, &[]);
     }
 
     fn record_metering(&self, encoder: &mut wgpu::CommandEncoder, mut stamps: Option<&mut Stamps>) {
@@ -844,7 +842,7 @@ impl SkyRenderer {
                 .shadow
                 .as_ref()
                 .map_or_else(ShadowUniform::default, |shadow| ShadowUniform::new(shadow, view_from_enu)),
-            moon: frame.moon.as_ref().map_or_else(MoonUniform::default, |moon| MoonUniform::new(moon, view_from_enu)),
+            moon: frame.moon.as_ref().map_or_else(MoonUniform::default, |moon| MoonUniform::new(moon, &frame.bending, view_from_enu)),
             ..ViewUniform::default()
         };
         Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges })
@@ -867,11 +865,12 @@ fn view_group(
     air: &Air,
     sampler: &wgpu::Sampler,
     night: &NightTextures,
+    moon: &MoonTextures,
 ) -> wgpu::BindGroup {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
     let bound = [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
-    let bound: Vec<_> = bound.into_iter().chain(night.bound()).collect();
+    let bound: Vec<_> = bound.into_iter().chain(night.bound()).chain(moon.bound()).collect();
     bind(device, "sky view", layout, &bound)
 }
 

@@ -120,7 +120,6 @@ fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, si
         sum += night_radiance(ray, dx, mu, sin_theta, below, !marching, 1.0 - moon.cover);
     }
     sum += moon.radiance;
-    }
     return sum;
 }
 

@@ -119,6 +119,25 @@ impl MoonMaps {
         Self { albedo, normals, albedo_scale: if mean > 0.0 { 1.0 / mean } else { 0.0 } }
     }
 
+    /// Albedo, east and north slope, and nothing, at the albedo's texels; `None` without normals.
+    pub(crate) fn with_normals(&self) -> Option<MoonMap<4>> {
+        let normals = self.normals.as_ref()?;
+        let [width, height] = self.albedo.size();
+        // Even ground has two texels: normals deserve more.
+        let [w, h] = if width > 2 { [width, height] } else { normals.size() };
+        let texel = |i: u32| {
+            let (longitude, latitude) = (
+                ((f64::from(i % w) + 0.5) / f64::from(w) - 0.5) * TAU,
+                (0.5 - (f64::from(i / w) + 0.5) / f64::from(h)) * PI,
+            );
+            let own = DVec3::new(latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin());
+            let [albedo] = self.albedo.sample(own);
+            let [east, north, ..] = normals.sample(own);
+            [albedo, east, north, 0.0].map(|value| (value * 255.0).round() as u8)
+        };
+        MoonMap::new(w, h, (0..w * h).map(texel).collect()).ok()
+    }
+
     /// Even ground.
     pub fn even() -> Self {
         Self { albedo: MoonMap::even([255]), normals: None, albedo_scale: 1.0 }
@@ -226,6 +245,23 @@ pub fn sphere_normal(aside: DVec3, centre: DVec3, sine: f64) -> DVec3 {
 }
 
 impl MoonState {
+    /// Even ground, full, the Sun and the Earth behind the observer; without light.
+    pub fn even(direction: DVec3, radius_rad: f64) -> Self {
+        Self {
+            direction,
+            disc_direction: direction,
+            radius_rad,
+            to_sun: -direction,
+            to_earth: -direction,
+            body_from_enu: DMat3::IDENTITY,
+            sunlit: [0.0; 4],
+            earthlit: [0.0; 4],
+            eclipse: None,
+            maps: Arc::new(MoonMaps::even()),
+            relief: 1.0,
+        }
+    }
+
     pub(crate) fn is_finite(&self) -> bool {
         let vectors = [self.direction, self.disc_direction, self.to_sun, self.to_earth];
         vectors.iter().all(|v| v.is_finite())

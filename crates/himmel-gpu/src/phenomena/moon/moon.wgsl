@@ -1,15 +1,13 @@
 // The Moon's disc. Twin of phenomena/moon/model.rs: same names, same order, same units.
 
 //#include "frame/frame.wgsl"
-//#include "phenomena/sun/bending.wgsl"
 
-// Relative albedo over selenographic longitude (−π..π) and latitude (from the north).
-@group(3) @binding(0) var moon_albedo: texture_2d<f32>;
-// Normals: east, north, up as 0..1.
-@group(3) @binding(1) var moon_normals: texture_2d<f32>;
-@group(3) @binding(2) var moon_sampler: sampler;
+// Relative albedo over selenographic longitude (−π..π) and latitude (from the north); in g and b slopes to east and north
+// as 0..1, where there is a map of normals.
+@group(1) @binding(7) var moon_ground: texture_2d<f32>;
+@group(1) @binding(8) var moon_sampler: sampler;
 // Logarithm of what is left of sunlight in the Earth's shadow, over the distance from its axis.
-@group(3) @binding(3) var moon_shadow: texture_2d<f32>;
+@group(1) @binding(9) var moon_shadow: texture_2d<f32>;
 
 // What the Moon sends along a ray, and how much of the pixel it covers.
 struct MoonLight {
@@ -42,7 +40,12 @@ fn moon_light(ray: vec3f, dx: vec3f, dy: vec3f) -> MoonLight {
     let height = clamp(dot(ray, view.up), -1.0, 1.0);
     let level = view.up - ray * height;
     let tangent = level / max(length(level), 1e-6);
-    let bend = bent_deviation(frame.bending, asin(height));
+    let at = clamp((asin(height) - view.moon.lift_middle) / view.moon.lift_reach, -1.0, 1.0);
+    let lift = view.moon.lift;
+    // Deviation, and how it changes with elevation.
+    let bend = vec2f(
+        lift.x + at * (lift.y + at * (lift.z + at * lift.w)),
+        (lift.y + at * (2.0 * lift.z + at * 3.0 * lift.w)) / view.moon.lift_reach);
     // From chords, not from dot products: f32 cosines of small angles have no digits left.
     let base = ray - tangent * bend.x - centre;
     let across = base - centre * dot(base, centre);
@@ -61,9 +64,9 @@ fn moon_light(ray: vec3f, dx: vec3f, dy: vec3f) -> MoonLight {
         let half = 0.5 * pixel / f32(side);
         let cover = clamp(0.5 + 0.5 * (sine - off) / half, 0.0, 1.0);
         // On the limb the middle of the part that is covered shines for all of it.
-        let at = select(off, clamp(0.5 * (off - half + sine), 0.0, sine), off + half > sine);
-        let normal = sphere_normal(aside * (at / max(off, 1e-9)), centre, sine);
-        let mu = sqrt(max(1.0 - at * at / (sine * sine), 0.0));
+        let seen = select(off, clamp(0.5 * (off - half + sine), 0.0, sine), off + half > sine);
+        let normal = sphere_normal(aside * (seen / max(off, 1e-9)), centre, sine);
+        let mu = sqrt(max(1.0 - seen * seen / (sine * sine), 0.0));
         sum.radiance += cover * moon_radiance(normal, mu, pixel / (sine * f32(side)));
         sum.cover += cover;
     }
@@ -77,13 +80,14 @@ fn moon_radiance(normal: vec3f, mu: f32, footprint: f32) -> vec4f {
         dot(view.moon.body_x.xyz, normal), dot(view.moon.body_y.xyz, normal), dot(view.moon.body_z.xyz, normal));
     let uv = vec2f(atan2(own.y, own.x) * 0.15915494 + 0.5, acos(clamp(own.z, -1.0, 1.0)) * 0.31830989);
     // Radians of longitude that a pixel spans; half of what it is longer near the limb.
-    let texel = 6.2831853 / f32(textureDimensions(moon_albedo).x);
+    let texel = 6.2831853 / f32(textureDimensions(moon_ground).x);
     let level = log2(max(footprint / texel, 1e-3)) - 0.5 * log2(max(mu, 0.05));
-    let albedo = textureSampleLevel(moon_albedo, moon_sampler, uv, max(level, 0.0)).x * view.moon.albedo_scale;
+    let ground = textureSampleLevel(moon_ground, moon_sampler, uv, max(level, 0.0));
+    let albedo = ground.x * view.moon.albedo_scale;
     let smooth_mu_0 = dot(normal, view.moon.to_sun);
     var mu_0 = smooth_mu_0;
     for (var i = 0u; i < select(0u, 1u, view.moon.relief > 0.0); i++) {
-        let slopes = textureSampleLevel(moon_normals, moon_sampler, uv, max(level, 0.0)).xy * 2.0 - 1.0;
+        let slopes = (ground.yz * 255.0 - 128.0) / 127.0;
         let north = normalize(view.moon.body_z.xyz - normal * own.z + vec3f(1e-9));
         let east = cross(north, normal);
         let tilted = normalize(normal + view.moon.relief * (slopes.x * east + slopes.y * north));

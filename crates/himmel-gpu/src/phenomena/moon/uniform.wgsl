@@ -25,6 +25,12 @@ struct MoonUniform {
     body_x: vec4f,
     body_y: vec4f,
     body_z: vec4f,
+    // How the air lifts what is seen around it: deviation = Σ c_k x^k, rad, x = elevation − middle over reach, within −1..1.
+    lift: vec4f,
+    // Middle and reach, rad.
+    lift_middle: f32,
+    lift_reach: f32,
+    padding: vec2f,
     // Radiance of ground with relative albedo 1 for µ₀/(µ₀ + µ) = 1: in sunlight, in the Earth's light.
     sunlit: vec4f,
     earthlit: vec4f,
