@@ -271,6 +271,8 @@ fn extremes_are_pictures() {
 fn what_the_disc_costs() {
     for (name, fov, time, eclipse) in [
         ("natural size", "60", "2024-04-23T23:30Z", false),
+        ("natural size, narrower", "20", "2024-04-23T23:30Z", false),
+        ("natural size, by day", "60", "2024-04-18T14:30Z", false),
         ("fills the frame", "0.3", "2024-04-23T23:30Z", false),
         ("fills the frame, eclipsed", "0.3", "2022-05-16T04:11Z", true),
     ] {
@@ -292,7 +294,7 @@ fn what_the_disc_costs() {
         let models = [scene("off"), scene("on")];
         let mut still = Still::new(gpu(), Output::Display, models[0].atmosphere()).unwrap();
         let mut least = [f64::INFINITY; 2];
-        for _ in 0..12 {
+        for _ in 0..20 {
             for (model, least) in models.iter().zip(&mut least) {
                 let (frame, view) = (model.frame().unwrap(), model.view().unwrap());
                 let picture = still.render(&frame, &view, 1280, 720, &mut |_| true).unwrap();

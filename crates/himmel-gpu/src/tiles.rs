@@ -14,7 +14,7 @@ use crate::view::View;
 /// corners at sixteenths of a pixel (SwiftShader) or finer, and what is interpolated between them is off by half of that,
 /// which shows at the horizon.
 const TILES: [usize; 2] = [16, 18];
-/// Tiles with a disc or the horizon are divided into so many cells a side, as far as there is room for the rectangles.
+/// Tiles with a disc, the Moon or the horizon are divided into so many cells a side, as far as there is room for the rectangles.
 const DIVISION: usize = 4;
 /// Cells along the sides of a picture; the same in `sky.wgsl`.
 const CELLS: [usize; 2] = [TILES[0] * DIVISION, TILES[1] * DIVISION];
@@ -139,7 +139,7 @@ fn sort(view: &View, around: &Around<'_>, division: usize) -> Vec<Needs> {
     for index in 0..TILES[0] * TILES[1] {
         let corner = [index % TILES[0], index / TILES[0]];
         let whole = around.needs(at(view, corner.map(|x| x as f64 + 0.5)), reach);
-        let divided = division > 1 && (whole.disc || whole.horizon) && reach <= 1.0;
+        let divided = division > 1 && (whole.disc || whole.horizon || whole.moon) && reach <= 1.0;
         for inner in 0..DIVISION * DIVISION {
             let inside = [inner % DIVISION, inner / DIVISION];
             let cell = [0, 1].map(|i| corner[i] * DIVISION + inside[i]);
