@@ -582,6 +582,7 @@ impl SkyRenderer {
             altitude_m: frame.altitude_m,
             several_lights,
             eclipsed: frame.shadow.is_some(),
+            night: frame.night.is_some(),
             tonemap: frame.output.tonemap,
         };
         let Self { points, lines, queue, starlight, uploads, .. } = self;

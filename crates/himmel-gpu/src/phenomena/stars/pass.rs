@@ -142,6 +142,7 @@ struct Kind {
     marching: bool,
     several_lights: bool,
     eclipsed: bool,
+    night: bool,
     tonemap: Tonemap,
     glare: bool,
     rays: bool,
@@ -158,6 +159,7 @@ pub(crate) struct PointsScene<'a> {
     pub altitude_m: f64,
     pub several_lights: bool,
     pub eclipsed: bool,
+    pub night: bool,
     pub tonemap: Tonemap,
 }
 
@@ -471,6 +473,7 @@ impl Points {
                     marching: finished && marching.get(index).copied().unwrap_or(true),
                     several_lights: finished && scene.several_lights,
                     eclipsed: finished && scene.eclipsed,
+                    night: finished && scene.night,
                     tonemap: scene.tonemap,
                     glare: physical && glare != Glare::None,
                     rays: physical && glare == Glare::Eye && params.ciliary_corona,
@@ -512,7 +515,7 @@ impl Points {
     }
 
     /// Values of the shaders' overrides; the first is the depth at infinity.
-    fn overrides(&self, kind: Kind) -> [(&'static str, f64); 15] {
+    fn overrides(&self, kind: Kind) -> [(&'static str, f64); 16] {
         let on = |yes: bool| f64::from(u8::from(yes));
         let reversed = matches!(self.target.depth, Some((_, DepthDirection::Reversed)));
         [
@@ -525,6 +528,7 @@ impl Points {
             ("linear", on(kind.linear)),
             ("several_lights", on(kind.several_lights)),
             ("eclipses", on(kind.eclipsed)),
+            ("night", on(kind.night)),
             ("tonemap_operator", f64::from(kind.tonemap as u32)),
             ("with_glare", on(kind.glare)),
             ("with_corona_rays", on(kind.rays)),
