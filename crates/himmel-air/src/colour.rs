@@ -157,7 +157,7 @@ pub fn fit_xyz_from_four(
 
 /// The fifth row beside them: scotopic luminance, what rods see, in cd m⁻² (or lx), fitted to the same samples.
 ///
-/// Skies within 3 %, the median 0.1 %; illuminant A +2.5 %, D65 −0.7 % by `earth`'s rows: see tests/truth.
+/// Skies that are scattered once within 5 % (the worst with the Sun at −4°), the median 0.1 %; illuminant A +2.5 %, D65 −0.7 % by `earth`'s rows: see tests/truth.
 pub fn fit_scotopic_from_four(
     medium: &Medium,
     columns: &Columns,
