@@ -223,6 +223,9 @@ impl Uploads {
     }
 }
 
+/// Rows of a picture as far as the level of the star map is concerned: a host's target is not known.
+const PICTURE_ROWS: u32 = 1080;
+
 /// Altitude above which every pixel marches its own ray, m; where the air ends lower, this share of its top.
 const MARCH_ABOVE_M: f64 = 60_000.0;
 const MARCH_ABOVE_SHARE: f64 = 0.6;
@@ -779,8 +782,9 @@ impl SkyRenderer {
             })
             .collect();
         let tiles = Tiles::new(view, up, horizon, &tile_lights);
+        let pixel_rad = view.degrees_per_pixel(PICTURE_ROWS).to_radians();
         let [icrs_from_view, ecliptic_from_view] =
-            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu));
+            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu, pixel_rad));
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
         // An eclipse is not the same on both sides of the Sun.
         let sky_view = u32::from(within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none());

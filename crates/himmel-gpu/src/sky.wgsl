@@ -109,7 +109,7 @@ fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, si
         }
     }
     if night {
-        sum += night_radiance(ray, dx, mu, sin_theta, below, !marching);
+        sum += night_radiance(ray, mu, sin_theta, below, !marching);
     }
     return sum;
 }
