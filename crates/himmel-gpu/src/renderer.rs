@@ -22,7 +22,7 @@ use crate::phenomena::overlay::{Lines, Overlay};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
 use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
-use crate::target::{DepthDirection, Output, Target};
+use crate::target::{Output, Target};
 use crate::tiles::{Needs, TileLight, Tiles};
 use crate::timing::Stamps;
 use crate::view::{Projection, View};
@@ -476,7 +476,8 @@ impl SkyRenderer {
         let mut stations: Vec<(f64, DVec3, usize)> = Vec::new();
         for view in std::iter::once(&whole).chain(views) {
             view.check()?;
-            let Standing { mut uniform, up, altitude_m, tiles } = self.view_uniform(frame, view)?;
+            let Standing { mut uniform, up, altitude_m, tiles } =
+                self.view_uniform(frame, view, !uniforms.is_empty())?;
             // Views that stand as good as in the same place (the faces of a cube, two eyes) share their tables.
             let near = |&(other_m, other_up, _): &(f64, DVec3, usize)| {
                 (altitude_m - other_m).abs() < 1e-4 * (altitude_m + 10.0) && (up - other_up).length() < 1e-6
@@ -736,8 +737,8 @@ impl SkyRenderer {
         self.meter.reduce(encoder, stamps.and_then(|stamps| stamps.next("meter")));
     }
 
-    /// The uniform of a view, and where it stands.
-    fn view_uniform(&self, frame: &FrameState, view: &View) -> Result<Standing, GpuError> {
+    /// The uniform of a view, and where it stands. `tiled`: whether it is drawn in tiles where it does not march.
+    fn view_uniform(&self, frame: &FrameState, view: &View, tiled: bool) -> Result<Standing, GpuError> {
         let radius_m = self.bottom_radius_m;
         let r = radius_m + frame.altitude_m;
         // Where the camera is from the planet's centre; altitude as (r² − R²) / (r + R), which cancels nothing.
@@ -771,7 +772,8 @@ impl SkyRenderer {
         for (slot, sun) in lights.iter_mut().zip(frame.suns()) {
             *slot = light(sun);
         }
-        let horizon = himmel_air::geometry::horizon_cosine(radius_m, altitude_m).asin();
+        let horizon_mu = himmel_air::geometry::horizon_cosine(radius_m, altitude_m);
+        let horizon = horizon_mu.asin();
         // The corona reaches 40 radii.
         let reaches = std::iter::once(if frame.occluder.is_some() { 40.0 } else { 1.1 }).chain(std::iter::repeat(1.1));
         let tile_lights: Vec<TileLight> = (frame.suns().zip(reaches))
@@ -781,13 +783,13 @@ impl SkyRenderer {
                 reach_rad: reach * sun.radius_rad,
             })
             .collect();
-        let tiles = Tiles::new(view, up, horizon, &tile_lights);
         let pixel_rad = view.degrees_per_pixel(PICTURE_ROWS).to_radians();
         let [icrs_from_view, ecliptic_from_view] =
             frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu, pixel_rad));
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
         // An eclipse is not the same on both sides of the Sun.
-        let sky_view = u32::from(within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none());
+        let sky_view = within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none();
+        let tiles = if sky_view && tiled { Tiles::new(view, up, horizon, &tile_lights)? } else { Tiles::default() };
         let (projection, half_angle) = match view.projection {
             Projection::Matrix(_) => (0, 0.0),
             Projection::Fisheye(span) => (1, 0.5 * span as f32),
@@ -806,11 +808,11 @@ impl SkyRenderer {
             east: into_view(level.cross(up)),
             station: 0,
             north: into_view(level),
-            sky_view,
+            sky_view: u32::from(sky_view),
             tile: [2.0 * left + width - 1.0, 2.0 * bottom + height - 1.0, width, height],
             pixel: view.first_pixel.map(|pixel| pixel as f32),
             horizon: horizon as f32,
-            horizon_mu: horizon.sin() as f32,
+            horizon_mu: horizon_mu as f32,
             rectangles: tiles.rectangles,
             icrs_from_view,
             ecliptic_from_view,
@@ -978,13 +980,11 @@ fn sky_pipeline(
     kind: Kind,
     [groups, aerosols]: [(&'static str, f64); 2],
 ) -> wgpu::RenderPipeline {
-    let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
     let on = |yes: bool| f64::from(u8::from(yes));
     let Needs { horizon, aureole, disc } = variant.has();
     let marching = ("marching", on(variant.marching()));
     let metering = ("metering", on(variant.metering()));
-    let vertex_constants =
-        vec![("tiled", on(variant.tiled())), ("far_depth", if reversed { 0.0 } else { 1.0 }), marching, metering];
+    let vertex_constants = vec![("tiled", on(variant.tiled())), ("far_depth", target.far_depth()), marching, metering];
     let constants = vec![
         ("with_horizon", on(horizon)),
         ("with_aureole", on(aureole)),
@@ -1012,16 +1012,7 @@ fn sky_pipeline(
             buffers: &[],
         },
         primitive: Default::default(),
-        depth_stencil: target.depth.map(|(format, direction)| wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(match direction {
-                DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
-                DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
-            }),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
+        depth_stencil: target.behind(),
         multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module,

@@ -102,11 +102,13 @@ impl View {
     /// The look direction of a point of the picture (ndc, y up), east-north-up; `None` outside a fisheye. The f64 twin
     /// of `look_direction` in `sky.wgsl`.
     pub fn direction(&self, ndc: [f64; 2]) -> Option<DVec3> {
+        self.along(&self.rays().ok()?, ndc)
+    }
+
+    /// The same by [`rays`](Self::rays) in hand: for many places.
+    pub(crate) fn along(&self, [middle, x, y]: &[DVec3; 3], ndc: [f64; 2]) -> Option<DVec3> {
         let look = match self.projection {
-            Projection::Matrix(_) => {
-                let [middle, x, y] = self.rays().ok()?;
-                (middle + x * ndc[0] + y * ndc[1]).normalize()
-            }
+            Projection::Matrix(_) => (*middle + *x * ndc[0] + *y * ndc[1]).normalize(),
             Projection::Fisheye(span) => {
                 let (x, y) = (ndc[0] * self.aspect, ndc[1]);
                 let radius = x.hypot(y);

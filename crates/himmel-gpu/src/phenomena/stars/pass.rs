@@ -19,7 +19,7 @@ use crate::output::params::Tonemap;
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::planets::{Discs, PlanetDisc, disc_slots};
 use crate::phenomena::sun::BendingUniform;
-use crate::target::{DepthDirection, Output, Target};
+use crate::target::{Output, Target};
 use crate::view::{Projection, View};
 
 /// Most points of a frame besides stars.
@@ -517,9 +517,8 @@ impl Points {
     /// Values of the shaders' overrides; the first is the depth at infinity.
     fn overrides(&self, kind: Kind) -> [(&'static str, f64); 16] {
         let on = |yes: bool| f64::from(u8::from(yes));
-        let reversed = matches!(self.target.depth, Some((_, DepthDirection::Reversed)));
         [
-            ("far_depth", if reversed { 0.0 } else { 1.0 }),
+            ("far_depth", self.target.far_depth()),
             ("finished", on(self.target.output == Output::Display)),
             ("marching", on(kind.marching)),
             ("with_horizon", 0.0),
@@ -624,8 +623,7 @@ pub(crate) fn adding_pipeline(
     [vertex, fragment]: [&str; 2],
     constants: &[(&'static str, f64)],
 ) -> wgpu::RenderPipeline {
-    let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
-    let far_depth = ("far_depth", if reversed { 0.0 } else { 1.0 });
+    let far_depth = ("far_depth", target.far_depth());
     let constants: Vec<_> = std::iter::once(far_depth).chain(constants.iter().copied()).collect();
     let options = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
     let add = wgpu::BlendComponent {
@@ -643,16 +641,7 @@ pub(crate) fn adding_pipeline(
         layout: Some(layout),
         vertex: wgpu::VertexState { module, entry_point: Some(vertex), compilation_options: options(), buffers: &[] },
         primitive: Default::default(),
-        depth_stencil: target.depth.map(|(format, direction)| wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(match direction {
-                DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
-                DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
-            }),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
+        depth_stencil: target.behind(),
         multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module,
