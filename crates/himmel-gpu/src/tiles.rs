@@ -20,8 +20,9 @@ const TILES: [usize; 2] = [16, 18];
 const DIVISION: usize = 4;
 /// Cells along the sides of a picture; the same in `sky.wgsl`.
 const CELLS: [usize; 2] = [TILES[0] * DIVISION, TILES[1] * DIVISION];
-/// Room for what reaches out of its cell into pixels beside it, as a share of a tile's reach. Enough from 40 pixels on:
-/// a disc smaller than a pixel is widened to one; the horizon is mixed over a pixel.
+/// Room for what reaches out of its cell into pixels beside it: a disc smaller than a pixel is widened to one, the horizon
+/// is mixed over a pixel. In pixels where their size is known, else as a share of a tile's reach, enough from 40 rows on.
+const WIDENED_PX: f64 = 3.0;
 const WIDENED: f64 = 0.4;
 
 /// Angle to a light up to which its aureole is drawn, rad; the same in `sky_view_table.wgsl`.
@@ -179,7 +180,16 @@ impl<'a> Around<'a> {
 
     /// Up to where the middle of a tile or cell is near enough.
     fn limits(&self, reach: f64) -> Limits {
-        let widened = reach + WIDENED * self.reach;
+        let rows = f64::from(self.view.rows_px);
+        let widened = if rows > 0.0 {
+            // Pixels from the middle of a tile to its corners.
+            let across = (rows * self.view.part[2] * self.view.aspect / TILES[0] as f64)
+                .hypot(rows * self.view.part[3] / TILES[1] as f64);
+            WIDENED_PX * self.reach / (0.5 * across)
+        } else {
+            WIDENED * self.reach
+        };
+        let widened = reach + widened;
         // Below any cosine where the angle is all around.
         let cosine = |angle: f64| if angle > PI { -2.0 } else { angle.cos() };
         let mut discs = [-2.0; MOST_LIGHTS];
