@@ -370,28 +370,32 @@ impl SkyModel {
     }
 
     /// When and where one looks.
-    fn standing(&self) -> Result<(Instant, Place)> {
+    pub(crate) fn standing(&self) -> Result<(Instant, Place)> {
         let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
         let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
         Ok((instant, place))
     }
 
+    /// The Sun as the air and the picture have it.
+    fn sun_state(&self) -> Result<SunState> {
+        let (sun, settings) = (self.sun()?, &self.scene.sun);
+        Ok(SunState {
+            direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
+            disc_direction: direction_enu(sun.azimuth_deg, sun.altitude_deg),
+            radius_rad: (sun.radius_deg * settings.radius_scale).to_radians(),
+            irradiance: [settings.brightness / (sun.distance_au * sun.distance_au); 4],
+            disc: settings.disc,
+            limb_darkening: settings.limb_darkening,
+        })
+    }
+
     /// What the renderer needs for a frame.
     pub fn frame(&self) -> Result<FrameState> {
-        let sun = self.sun()?;
-        let settings = &self.scene.sun;
         let (instant, place) = self.standing()?;
         let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
         let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &self.points, &observer)?;
         Ok(FrameState {
-            sun: SunState {
-                direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
-                disc_direction: direction_enu(sun.azimuth_deg, sun.altitude_deg),
-                radius_rad: (sun.radius_deg * settings.radius_scale).to_radians(),
-                irradiance: [settings.brightness / (sun.distance_au * sun.distance_au); 4],
-                disc: settings.disc,
-                limb_darkening: settings.limb_darkening,
-            },
+            sun: self.sun_state()?,
             other_suns: Vec::new(),
             occluder: self.occluder()?,
             shadow: self.shadow()?,
@@ -411,8 +415,7 @@ impl SkyModel {
     /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground, the
     /// Sun's disc, and the glow of the night. The f64 twin of the renderer's pixel.
     pub fn luminance(&self, direction: DVec3) -> Result<DVec3> {
-        let frame = self.frame()?;
-        let (sun, settings) = (frame.sun, &self.scene.sun);
+        let (sun, settings) = (self.sun_state()?, &self.scene.sun);
         let direction = direction.normalize_or(DVec3::Z);
         let altitude_m = self.altitude_m().max(0.5);
         let nu = direction.dot(sun.direction).clamp(-1.0, 1.0);
@@ -433,7 +436,7 @@ impl SkyModel {
                 four[k] += through[k] * light[k];
             }
         }
-        let glow = frame.night.map(|night| night.parts(&self.atmosphere, altitude_m, direction, 0).sum());
+        let glow = self.night()?.map(|night| night.parts(&self.atmosphere, altitude_m, direction, 0).sum());
         let glow = glow.unwrap_or_default();
         Ok(self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k] + glow[k])))
     }
