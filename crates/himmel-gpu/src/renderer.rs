@@ -223,7 +223,7 @@ impl Uploads {
     }
 }
 
-/// Rows of a picture as far as the level of the star map is concerned: a host's target is not known.
+/// Rows of a picture, for the level of the star map, where the view does not say.
 const PICTURE_ROWS: u32 = 1080;
 
 /// Altitude above which every pixel marches its own ray, m; where the air ends lower, this share of its top.
@@ -783,7 +783,8 @@ impl SkyRenderer {
                 reach_rad: reach * sun.radius_rad,
             })
             .collect();
-        let pixel_rad = view.degrees_per_pixel(PICTURE_ROWS).to_radians();
+        let rows = if view.rows_px > 0 { view.rows_px } else { PICTURE_ROWS };
+        let pixel_rad = view.degrees_per_pixel(rows).to_radians();
         let [icrs_from_view, ecliptic_from_view] =
             frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu, pixel_rad));
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);

@@ -27,8 +27,8 @@ pub struct View {
     pub enu_from_view: DMat4,
     /// Width over height of the picture.
     pub aspect: f64,
-    /// Rows of the whole picture in pixels, by which points of light are sized; 0: unknown, which costs some time and is
-    /// right for pictures of at least 360 rows.
+    /// Rows of the whole picture in pixels, by which points of light are sized and the Milky Way is smoothed; 0: unknown,
+    /// which costs some time and is right for pictures of at least 360 rows (of about 1,080 for the Milky Way).
     pub rows_px: u32,
     /// The part of the picture that is drawn: left, bottom, width, height in 0..=1. For tiles of large pictures.
     pub part: [f64; 4],
