@@ -171,8 +171,12 @@ fn the_umbra_ends_at_danjons_radius() {
         ("New York", "2022-05-16T03:00Z", true),
         ("Perth", "2023-05-05T17:23Z", false),
     ] {
-        let (model, light) =
-            picture(place, time, SIZE, &[("air.enabled", "on"), ("body.moon.albedo_map", "none"), ("body.moon.earthshine", "0")]);
+        let (model, light) = picture(
+            place,
+            time,
+            SIZE,
+            &[("air.enabled", "on"), ("body.moon.albedo_map", "none"), ("body.moon.earthshine", "0")],
+        );
         let moon = model.moon().unwrap().unwrap();
         let eclipse = moon.state.eclipse.as_ref().unwrap();
         // The disc's axes in space: right and up as the picture has them.
@@ -298,10 +302,16 @@ fn what_the_disc_costs() {
             for (model, least) in models.iter().zip(&mut least) {
                 let (frame, view) = (model.frame().unwrap(), model.view().unwrap());
                 let picture = still.render(&frame, &view, 1280, 720, &mut |_| true).unwrap();
-                let sky = picture.times.passes.iter().filter(|(label, _)| *label == "sky").map(|(_, ms)| ms).sum::<f64>();
+                let sky =
+                    picture.times.passes.iter().filter(|(label, _)| *label == "sky").map(|(_, ms)| ms).sum::<f64>();
                 *least = least.min(sky);
             }
         }
-        println!("{name}: {:.2} ms without, {:.2} ms with the disc, {:.2} more", least[0], least[1], least[1] - least[0]);
+        println!(
+            "{name}: {:.2} ms without, {:.2} ms with the disc, {:.2} more",
+            least[0],
+            least[1],
+            least[1] - least[0]
+        );
     }
 }

@@ -375,7 +375,7 @@ fn spread_functions_are_those_of_the_model() {
     let four = |v: &[f64]| format!("vec4f({:?}, {:?}, {:?}, {:?})", v[0] as f32, v[1] as f32, v[2] as f32, v[3] as f32);
     let gpu = Kernel::of("phenomena/stars/psf.wgsl").evaluate(
         &format!(
-            "twinkle(in.w, 0.4 + 0.2 * in.x, 0.08, array<vec4f, 2>({}, {}), {}, {})",
+            "twinkle(in.w, 0.4 + 0.2 * in.x, 0.08, {}, {}, {}, {})",
             four(&phases[..4]),
             four(&phases[4..]),
             four(&shift),

@@ -53,33 +53,9 @@ pub fn sky_irradiance<const N: usize>(
     sum
 }
 
-/// Sun elevations of the renderer's table of sky irradiance on the ground, radians.
-///
-/// Crowded around the horizon: elevation = w sinh(a + u (b − a)) from −18° to 90° with w = 5°.
-pub fn table_elevation_rad(u: f64) -> f64 {
-    let w = 5f64.to_radians();
-    let (a, b) = ((-18f64.to_radians() / w).asinh(), (90f64.to_radians() / w).asinh());
-    w * (a + u * (b - a)).sinh()
-}
-
-/// Inverse of [`table_elevation_rad`] for a zenith cosine; negative below the table.
-pub fn table_coordinate(mu_s: f64) -> f64 {
-    let w = 5f64.to_radians();
-    let (a, b) = ((-18f64.to_radians() / w).asinh(), (90f64.to_radians() / w).asinh());
-    ((mu_s.clamp(-1.0, 1.0).asin() / w).asinh() - a) / (b - a)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_table_mapping_inverts() {
-        for i in 0..=20 {
-            let u = f64::from(i) / 20.0;
-            assert!((table_coordinate(table_elevation_rad(u).sin()) - u).abs() < 1e-7);
-        }
-    }
     use crate::Preset;
 
     #[test]

@@ -58,8 +58,7 @@ impl Rays {
     /// Follows them: some tens of milliseconds.
     pub fn new(medium: &Medium, wavelengths_nm: &[f64; 4]) -> Self {
         // Crowded towards the ground, where rays bend most.
-        let lowest: Vec<f64> =
-            (0..=RAYS).map(|i| medium.top_altitude_m * (i as f64 / RAYS as f64).powf(1.5)).collect();
+        let lowest: Vec<f64> = (0..=RAYS).map(|i| medium.top_altitude_m * (i as f64 / RAYS as f64).powf(1.5)).collect();
         Self {
             by_wavelength: wavelengths_nm.map(|nm| grazing(medium, nm, &lowest)),
             top_radius_m: medium.bottom_radius_m + medium.top_altitude_m,
@@ -180,7 +179,8 @@ impl Ring {
             return 0.0;
         }
         // Azimuths that see the star: |ψ| up to where the distance is its radius.
-        let most = if x + r <= star { PI } else { ((x * x + r * r - star * star) / (2.0 * x * r)).clamp(-1.0, 1.0).acos() };
+        let most =
+            if x + r <= star { PI } else { ((x * x + r * r - star * star) / (2.0 * x * r)).clamp(-1.0, 1.0).acos() };
         let mut sum = 0.0;
         for &(u, w) in rule {
             // Nodes crowd at the limb, where the brightness has a root.
@@ -227,14 +227,21 @@ mod tests {
         }
         // 10 to 13 magnitudes for clean air; brighter outwards, full outside.
         assert!((10.0..13.0).contains(&magnitude(light.at(1e6))) && (12.0..13.0).contains(&magnitude(light.at(0.0))));
-        assert!((0..160).all(|i| magnitude(light.at(f64::from(i) * 50e3)) > magnitude(light.at(f64::from(i + 1) * 50e3))));
+        assert!(
+            (0..160).all(|i| magnitude(light.at(f64::from(i) * 50e3)) > magnitude(light.at(f64::from(i + 1) * 50e3)))
+        );
         assert!(light.at(9e6) == [1.0; 4] && light.at(8.28e6).iter().all(|l| *l > 0.9999));
         let danjon = MEAN.moon_m
             * (1.01 * (6378.1366e3f64 / MEAN.moon_m).asin() + (6378.1366e3f64 / MEAN.star_m).asin()
                 - (695.7e6f64 / MEAN.star_m).asin())
             .tan();
         let edge = light.umbra_edge_m(LUMINANCE);
-        println!("edge {:.1} km, Danjon {:.1} km, penumbra {:.1} km", edge / 1e3, danjon / 1e3, light.penumbra_edge_m() / 1e3);
+        println!(
+            "edge {:.1} km, Danjon {:.1} km, penumbra {:.1} km",
+            edge / 1e3,
+            danjon / 1e3,
+            light.penumbra_edge_m() / 1e3
+        );
         // 2 % of the Moon's radius. The edge is where rays are thinned out rather than dimmed: 50 km up.
         assert!((edge - danjon).abs() < 0.02 * 1737.4e3, "{edge} {danjon}");
         let veiled = |veil: Veil| ShadowLight::new(&rays, &veil, &MEAN, &limb()).unwrap();
@@ -242,7 +249,10 @@ mod tests {
         let dust = veiled(Veil { dust: 0.1, ..Veil::default() });
         for (name, veiled) in [("clouds", &clouds), ("dust", &dust)] {
             let darker = magnitude(veiled.at(2e6)) - magnitude(light.at(2e6));
-            println!("{name}: {darker:.2} mag darker 2000 km from the axis, edge {:.1} km", veiled.umbra_edge_m(LUMINANCE) / 1e3);
+            println!(
+                "{name}: {darker:.2} mag darker 2000 km from the axis, edge {:.1} km",
+                veiled.umbra_edge_m(LUMINANCE) / 1e3
+            );
             assert!((0.5..8.0).contains(&darker));
         }
     }
@@ -268,7 +278,8 @@ mod tests {
         let lights: Vec<ShadowLight> = groups
             .iter()
             .map(|nm| {
-                ShadowLight::new(&Rays::new(&earth.medium, nm), &Veil::default(), &MEAN, &nm.map(limb_darkening)).unwrap()
+                ShadowLight::new(&Rays::new(&earth.medium, nm), &Veil::default(), &MEAN, &nm.map(limb_darkening))
+                    .unwrap()
             })
             .collect();
         let sun = crate::sun::irradiance_w_m2_nm();

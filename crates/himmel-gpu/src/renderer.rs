@@ -23,7 +23,7 @@ use crate::phenomena::overlay::{Lines, Overlay};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
 use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
-use crate::target::{DepthDirection, Output, Target};
+use crate::target::{Output, Target};
 use crate::tiles::{Needs, TileLight, Tiles};
 use crate::timing::Stamps;
 use crate::view::{Projection, View};
@@ -230,6 +230,9 @@ impl Uploads {
     }
 }
 
+/// Rows of a picture, for the level of the star map, where the view does not say.
+const PICTURE_ROWS: u32 = 1080;
+
 /// Altitude above which every pixel marches its own ray, m; where the air ends lower, this share of its top.
 const MARCH_ABOVE_M: f64 = 60_000.0;
 const MARCH_ABOVE_SHARE: f64 = 0.6;
@@ -378,8 +381,15 @@ impl SkyRenderer {
 
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
-        self.view_group =
-            view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler, &self.night, &self.moon);
+        self.view_group = view_group(
+            &self.device,
+            &self.view_layout,
+            &self.view_buffer,
+            &self.air,
+            &self.sampler,
+            &self.night,
+            &self.moon,
+        );
     }
 
     /// The target it draws to.
@@ -485,7 +495,8 @@ impl SkyRenderer {
         let mut stations: Vec<(f64, DVec3, usize)> = Vec::new();
         for view in std::iter::once(&whole).chain(views) {
             view.check()?;
-            let Standing { mut uniform, up, altitude_m, tiles } = self.view_uniform(frame, view)?;
+            let Standing { mut uniform, up, altitude_m, tiles } =
+                self.view_uniform(frame, view, !uniforms.is_empty())?;
             // Views that stand as good as in the same place (the faces of a cube, two eyes) share their tables.
             let near = |&(other_m, other_up, _): &(f64, DVec3, usize)| {
                 (altitude_m - other_m).abs() < 1e-4 * (altitude_m + 10.0) && (up - other_up).length() < 1e-6
@@ -596,6 +607,7 @@ impl SkyRenderer {
             altitude_m: frame.altitude_m,
             several_lights,
             eclipsed: frame.shadow.is_some(),
+            night: frame.night.is_some(),
             tonemap: frame.output.tonemap,
         };
         let Self { points, lines, queue, starlight, uploads, .. } = self;
@@ -747,8 +759,8 @@ impl SkyRenderer {
         self.meter.reduce(encoder, stamps.and_then(|stamps| stamps.next("meter")));
     }
 
-    /// The uniform of a view, and where it stands.
-    fn view_uniform(&self, frame: &FrameState, view: &View) -> Result<Standing, GpuError> {
+    /// The uniform of a view, and where it stands. `tiled`: whether it is drawn in tiles where it does not march.
+    fn view_uniform(&self, frame: &FrameState, view: &View, tiled: bool) -> Result<Standing, GpuError> {
         let radius_m = self.bottom_radius_m;
         let r = radius_m + frame.altitude_m;
         // Where the camera is from the planet's centre; altitude as (r² − R²) / (r + R), which cancels nothing.
@@ -782,7 +794,8 @@ impl SkyRenderer {
         for (slot, sun) in lights.iter_mut().zip(frame.suns()) {
             *slot = light(sun);
         }
-        let horizon = himmel_air::geometry::horizon_cosine(radius_m, altitude_m).asin();
+        let horizon_mu = himmel_air::geometry::horizon_cosine(radius_m, altitude_m);
+        let horizon = horizon_mu.asin();
         // The corona reaches 40 radii.
         let reaches = std::iter::once(if frame.occluder.is_some() { 40.0 } else { 1.1 }).chain(std::iter::repeat(1.1));
         let tile_lights: Vec<TileLight> = (frame.suns().zip(reaches))
@@ -799,12 +812,14 @@ impl SkyRenderer {
                 reach_rad: 1.1 * moon.radius_rad,
             }))
             .collect();
-        let tiles = Tiles::new(view, up, horizon, &tile_lights);
+        let rows = if view.rows_px > 0 { view.rows_px } else { PICTURE_ROWS };
+        let pixel_rad = view.degrees_per_pixel(rows).to_radians();
         let [icrs_from_view, ecliptic_from_view] =
-            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu));
+            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu, pixel_rad));
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
         // An eclipse is not the same on both sides of the Sun.
-        let sky_view = u32::from(within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none());
+        let sky_view = within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none();
+        let tiles = if sky_view && tiled { Tiles::new(view, up, horizon, &tile_lights)? } else { Tiles::default() };
         let (projection, half_angle) = match view.projection {
             Projection::Matrix(_) => (0, 0.0),
             Projection::Fisheye(span) => (1, 0.5 * span as f32),
@@ -823,11 +838,11 @@ impl SkyRenderer {
             east: into_view(level.cross(up)),
             station: 0,
             north: into_view(level),
-            sky_view,
+            sky_view: u32::from(sky_view),
             tile: [2.0 * left + width - 1.0, 2.0 * bottom + height - 1.0, width, height],
             pixel: view.first_pixel.map(|pixel| pixel as f32),
             horizon: horizon as f32,
-            horizon_mu: horizon.sin() as f32,
+            horizon_mu: horizon_mu as f32,
             rectangles: tiles.rectangles,
             icrs_from_view,
             ecliptic_from_view,
@@ -842,7 +857,10 @@ impl SkyRenderer {
                 .shadow
                 .as_ref()
                 .map_or_else(ShadowUniform::default, |shadow| ShadowUniform::new(shadow, view_from_enu)),
-            moon: frame.moon.as_ref().map_or_else(MoonUniform::default, |moon| MoonUniform::new(moon, &frame.bending, view_from_enu)),
+            moon: frame
+                .moon
+                .as_ref()
+                .map_or_else(MoonUniform::default, |moon| MoonUniform::new(moon, &frame.bending, view_from_enu)),
             ..ViewUniform::default()
         };
         Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges })
@@ -900,8 +918,7 @@ enum Variant {
 impl Variant {
     const COUNT: usize = 9;
     /// Those that draw a picture from the table together, in the order of [`Needs::SETS`].
-    const TILED: [Self; 6] =
-        [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Moon, Self::Everything];
+    const TILED: [Self; 6] = [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Moon, Self::Everything];
 
     fn tiled(self) -> bool {
         Self::TILED.contains(&self)
@@ -1005,13 +1022,11 @@ fn sky_pipeline(
     kind: Kind,
     [groups, aerosols]: [(&'static str, f64); 2],
 ) -> wgpu::RenderPipeline {
-    let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
     let on = |yes: bool| f64::from(u8::from(yes));
     let Needs { horizon, aureole, disc, moon: _ } = variant.has();
     let marching = ("marching", on(variant.marching()));
     let metering = ("metering", on(variant.metering()));
-    let vertex_constants =
-        vec![("tiled", on(variant.tiled())), ("far_depth", if reversed { 0.0 } else { 1.0 }), marching, metering];
+    let vertex_constants = vec![("tiled", on(variant.tiled())), ("far_depth", target.far_depth()), marching, metering];
     let constants = vec![
         ("with_horizon", on(horizon)),
         ("with_aureole", on(aureole)),
@@ -1040,16 +1055,7 @@ fn sky_pipeline(
             buffers: &[],
         },
         primitive: Default::default(),
-        depth_stencil: target.depth.map(|(format, direction)| wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(match direction {
-                DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
-                DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
-            }),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
+        depth_stencil: target.behind(),
         multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module,

@@ -117,7 +117,7 @@ fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, si
         moon.radiance *= transmittance_behind(mu, sin_theta);
     }
     if night {
-        sum += night_radiance(ray, dx, mu, sin_theta, below, !marching, 1.0 - moon.cover);
+        sum += night_radiance(ray, mu, sin_theta, below, !marching, 1.0 - moon.cover);
     }
     sum += moon.radiance;
     return sum;

@@ -65,6 +65,28 @@ impl Target {
         }
     }
 
+    /// Depth at infinity.
+    pub(crate) fn far_depth(&self) -> f64 {
+        match self.depth {
+            Some((_, DepthDirection::Reversed)) => 0.0,
+            _ => 1.0,
+        }
+    }
+
+    /// How what lies at infinity stands behind the host's geometry: depth is tested and not written.
+    pub(crate) fn behind(&self) -> Option<wgpu::DepthStencilState> {
+        self.depth.map(|(format, direction)| wgpu::DepthStencilState {
+            format,
+            depth_write_enabled: Some(false),
+            depth_compare: Some(match direction {
+                DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
+                DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
+            }),
+            stencil: Default::default(),
+            bias: Default::default(),
+        })
+    }
+
     pub(crate) fn check(&self, device: &wgpu::Device) -> Result<(), GpuError> {
         let Some(largest) = self.largest() else {
             return Err(GpuError::Target(format!(

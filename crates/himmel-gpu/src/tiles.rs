@@ -8,6 +8,8 @@ use std::ops::Range;
 
 use glam::DVec3;
 
+use crate::error::GpuError;
+use crate::frame::MOST_LIGHTS;
 use crate::view::View;
 
 /// Tiles along the sides of a picture. Cells are whole pixels in 1280 × 720, 1920 × 1080 and their multiples: drivers place
@@ -18,12 +20,16 @@ const TILES: [usize; 2] = [16, 18];
 const DIVISION: usize = 4;
 /// Cells along the sides of a picture; the same in `sky.wgsl`.
 const CELLS: [usize; 2] = [TILES[0] * DIVISION, TILES[1] * DIVISION];
-/// Room for what reaches out of its cell into pixels beside it, as a share of a tile's reach. Enough from 40 pixels on:
-/// a disc smaller than a pixel is widened to one; the horizon is mixed over a pixel.
+/// Room for what reaches out of its cell into pixels beside it: a disc smaller than a pixel is widened to one, the horizon
+/// is mixed over a pixel. In pixels where their size is known, else as a share of a tile's reach, enough from 40 rows on.
+const WIDENED_PX: f64 = 3.0;
 const WIDENED: f64 = 0.4;
 
 /// Angle to a light up to which its aureole is drawn, rad; the same in `sky_view_table.wgsl`.
 const AUREOLE_TO: f64 = 0.35;
+
+/// Discs of a frame: of every light, and the Moon's.
+const MOST_DISCS: usize = MOST_LIGHTS + 1;
 
 /// What pixels may have to draw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -80,10 +86,10 @@ const MOST_RECTANGLES: usize = TILES[0] * TILES[1];
 
 impl Tiles {
     /// Sorts a view's tiles. `up`: the zenith, east-north-up. `horizon`: elevation of the horizon, rad.
-    pub(crate) fn new(view: &View, up: DVec3, horizon: f64, lights: &[TileLight]) -> Self {
-        let scene = Around { up, horizon, lights, widened: WIDENED * reach(view) };
-        let cells = sort(view, &scene, DIVISION);
-        Self::merged(&cells).or_else(|| Self::merged(&sort(view, &scene, 1))).unwrap_or_default()
+    pub(crate) fn new(view: &View, up: DVec3, horizon: f64, lights: &[TileLight]) -> Result<Self, GpuError> {
+        let around = Around::new(view, up, horizon, lights)?;
+        let merged = Self::merged(&around.sort(DIVISION)).or_else(|| Self::merged(&around.sort(1)));
+        Ok(merged.unwrap_or_default())
     }
 
     /// Runs of cells with the same needs, grown over the rows; `None`: more than there is room for.
@@ -123,84 +129,119 @@ impl Tiles {
     }
 }
 
-/// What is around a view.
+/// A view and what is around it.
 struct Around<'a> {
+    view: &'a View,
+    rays: [DVec3; 3],
     up: DVec3,
     horizon: f64,
     lights: &'a [TileLight],
-    /// Room for what is widened to a pixel, rad.
-    widened: f64,
+    /// The largest angle from the middle of a tile to its corners, with a tenth to spare, rad.
+    reach: f64,
 }
 
-/// What each cell needs; all cells of a tile alike, but where tiles are divided.
-fn sort(view: &View, around: &Around<'_>, division: usize) -> Vec<Needs> {
-    let reach = reach(view);
-    let mut cells = vec![Needs::default(); CELLS[0] * CELLS[1]];
-    for index in 0..TILES[0] * TILES[1] {
-        let corner = [index % TILES[0], index / TILES[0]];
-        let whole = around.needs(at(view, corner.map(|x| x as f64 + 0.5)), reach);
-        let divided = division > 1 && (whole.disc || whole.horizon || whole.moon) && reach <= 1.0;
-        for inner in 0..DIVISION * DIVISION {
-            let inside = [inner % DIVISION, inner / DIVISION];
-            let cell = [0, 1].map(|i| corner[i] * DIVISION + inside[i]);
-            cells[cell[1] * CELLS[0] + cell[0]] = if divided {
-                let middle = cell.map(|x| (x as f64 + 0.5) / DIVISION as f64);
-                around.needs(at(view, middle), reach / DIVISION as f64)
-            } else {
-                whole
-            };
+impl<'a> Around<'a> {
+    fn new(view: &'a View, up: DVec3, horizon: f64, lights: &'a [TileLight]) -> Result<Self, GpuError> {
+        let mut around = Self { view, rays: view.rays()?, up, horizon, lights, reach: 0.0 };
+        let [columns, rows] = TILES;
+        let mut reach: f64 = 0.0;
+        // Tiles are widest in the middle or at an edge of a picture, never in between.
+        for x in [0, columns / 2, columns - 1] {
+            for y in [0, rows / 2, rows - 1] {
+                let (x, y) = (x as f64, y as f64);
+                let Some(middle) = around.at([x + 0.5, y + 0.5]) else { continue };
+                for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+                    reach = reach.max(around.at([x + dx, y + dy]).map_or(0.0, |corner| middle.angle_between(corner)));
+                }
+            }
         }
+        around.reach = 1.1 * reach + 1e-3;
+        Ok(around)
     }
-    cells
-}
 
-/// Where a place in tiles looks; `None` outside the picture.
-fn at(view: &View, place: [f64; 2]) -> Option<DVec3> {
-    let [left, bottom, width, height] = view.part;
-    let ndc = |from: f64, size: f64, share: f64| 2.0 * (from + size * share) - 1.0;
-    view.direction([ndc(left, width, place[0] / TILES[0] as f64), ndc(bottom, height, place[1] / TILES[1] as f64)])
-}
+    /// Where a place in tiles looks; `None` outside the picture.
+    fn at(&self, place: [f64; 2]) -> Option<DVec3> {
+        let [left, bottom, width, height] = self.view.part;
+        let ndc = |from: f64, size: f64, share: f64| 2.0 * (from + size * share) - 1.0;
+        let [x, y] = [place[0] / TILES[0] as f64, place[1] / TILES[1] as f64];
+        self.view.along(&self.rays, [ndc(left, width, x), ndc(bottom, height, y)])
+    }
 
-impl Around<'_> {
-    /// What pixels within an angle of a direction need.
-    fn needs(&self, middle: Option<DVec3>, reach: f64) -> Needs {
+    /// What each cell needs; all cells of a tile alike, but where tiles are divided.
+    fn sort(&self, division: usize) -> Vec<Needs> {
+        let (of_tile, of_cell) = (self.limits(self.reach), self.limits(self.reach / DIVISION as f64));
+        let mut cells = vec![Needs::default(); CELLS[0] * CELLS[1]];
+        for index in 0..TILES[0] * TILES[1] {
+            let corner = [index % TILES[0], index / TILES[0]];
+            let whole = self.needs(self.at(corner.map(|x| x as f64 + 0.5)), &of_tile);
+            let divided = division > 1 && (whole.disc || whole.horizon || whole.moon) && self.reach <= 1.0;
+            for inner in 0..DIVISION * DIVISION {
+                let inside = [inner % DIVISION, inner / DIVISION];
+                let cell = [0, 1].map(|i| corner[i] * DIVISION + inside[i]);
+                cells[cell[1] * CELLS[0] + cell[0]] = if divided {
+                    self.needs(self.at(cell.map(|x| (x as f64 + 0.5) / DIVISION as f64)), &of_cell)
+                } else {
+                    whole
+                };
+            }
+        }
+        cells
+    }
+
+    /// Up to where the middle of a tile or cell is near enough.
+    fn limits(&self, reach: f64) -> Limits {
+        let rows = f64::from(self.view.rows_px);
+        let widened = if rows > 0.0 {
+            // Pixels from the middle of a tile to its corners.
+            let across = (rows * self.view.part[2] * self.view.aspect / TILES[0] as f64)
+                .hypot(rows * self.view.part[3] / TILES[1] as f64);
+            WIDENED_PX * self.reach / (0.5 * across)
+        } else {
+            WIDENED * self.reach
+        };
+        let widened = reach + widened;
+        // Below any cosine where the angle is all around.
+        let cosine = |angle: f64| if angle > PI { -2.0 } else { angle.cos() };
+        let mut discs = [-2.0; MOST_DISCS];
+        for (limit, light) in discs.iter_mut().zip(self.lights) {
+            *limit = cosine(light.reach_rad + widened);
+        }
+        Limits { horizon: widened, aureole: cosine(AUREOLE_TO + reach), discs }
+    }
+
+    /// What pixels around a direction need.
+    fn needs(&self, middle: Option<DVec3>, limits: &Limits) -> Needs {
         // Outside a fisheye, or so wide that nothing can be told.
-        let Some(middle) = middle.filter(|_| reach <= 1.0) else { return Needs::ALL };
-        let near = |direction: DVec3, angle: f64| angle > PI || middle.dot(direction) > angle.cos();
-        let disc = |light: &&TileLight| near(light.disc_direction, light.reach_rad + self.widened + reach);
-        let (moons, others): (Vec<_>, Vec<_>) = self.lights.iter().filter(disc).partition(|light| light.moon);
+        let Some(middle) = middle.filter(|_| self.reach <= 1.0) else { return Needs::ALL };
+        let near =
+            self.lights.iter().zip(limits.discs).filter(|(light, limit)| middle.dot(light.disc_direction) > *limit);
+        let (moons, others): (Vec<_>, Vec<_>) = near.partition(|(light, _)| light.moon);
         if !others.is_empty() {
             return Needs::ALL;
         }
         let elevation = middle.dot(self.up).clamp(-1.0, 1.0).asin();
-        let horizon = (elevation - self.horizon).abs() <= reach + self.widened;
+        let horizon = (elevation - self.horizon).abs() <= limits.horizon;
         if !moons.is_empty() {
             return if horizon { Needs::ALL } else { Needs::MOON };
         }
         Needs {
             horizon,
-            aureole: self.lights.iter().filter_map(|light| light.direction).any(|light| near(light, AUREOLE_TO + reach)),
+            aureole: self
+                .lights
+                .iter()
+                .filter_map(|light| light.direction)
+                .any(|light| middle.dot(light) > limits.aureole),
             disc: false,
             moon: false,
         }
     }
 }
 
-/// The largest angle from the middle of a tile to its corners, with a tenth to spare.
-fn reach(view: &View) -> f64 {
-    let [columns, rows] = TILES;
-    let mut reach: f64 = 0.0;
-    // Tiles are widest in the middle or at an edge of a picture, never in between.
-    for x in [0, columns / 2, columns - 1] {
-        for y in [0, rows / 2, rows - 1] {
-            let (x, y) = (x as f64, y as f64);
-            let Some(middle) = at(view, [x + 0.5, y + 0.5]) else { continue };
-            for (dx, dy) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
-                reach = reach.max(at(view, [x + dx, y + dy]).map_or(0.0, |corner| middle.angle_between(corner)));
-            }
-        }
-    }
-    1.1 * reach + 1e-3
+/// Limits of what is near: an angle to the horizon, rad, and cosines of angles to lights.
+struct Limits {
+    horizon: f64,
+    aureole: f64,
+    discs: [f64; MOST_DISCS],
 }
 
 #[cfg(test)]
@@ -236,21 +277,28 @@ mod tests {
             let view = View::looking(6.3 * random(), 3.0 * random() - 1.5, 0.05 + 2.5 * random(), 1.6);
             let direction = view.direction([2.0 * random() - 1.0, 2.0 * random() - 1.0]).unwrap();
             let up = DVec3::new(random() - 0.5, random() - 0.5, 1.0).normalize();
-            let light = TileLight { direction: Some(direction), moon: false, disc_direction: direction, reach_rad: 0.005 };
-            let tiles = Tiles::new(&view, up, -0.01, &[light]);
+            let light =
+                TileLight { direction: Some(direction), moon: false, disc_direction: direction, reach_rad: 0.005 };
+            let lights = [light];
+            let tiles = Tiles::new(&view, up, -0.01, &lights).unwrap();
             let by = drawn(&tiles);
             assert!(by.iter().all(|by| by.len() == 1));
             // The cell with the disc, one on the horizon, one in the aureole.
-            let widened = 0.0;
-            let light = TileLight { direction: Some(direction), moon: false, disc_direction: direction, reach_rad: 0.005 };
-            let around = Around { up, horizon: -0.01, lights: &[light], widened };
+            let around = Around::new(&view, up, -0.01, &lights).unwrap();
+            let point = Limits { horizon: 0.0, aureole: AUREOLE_TO.cos(), discs: [0.005f64.cos(); MOST_DISCS] };
             for (index, by) in by.iter().enumerate() {
                 let place = [index % CELLS[0], index / CELLS[0]].map(|x| (x as f64 + 0.5) / DIVISION as f64);
-                let point = around.needs(at(&view, place), 0.0);
+                let point = around.needs(around.at(place), &point);
                 let tile = by[0];
-                assert!(tile.disc || !point.disc && tile.moon >= point.moon && tile.horizon >= point.horizon && tile.aureole >= point.aureole);
+                assert!(
+                    tile.disc
+                        || !point.disc
+                            && tile.moon >= point.moon
+                            && tile.horizon >= point.horizon
+                            && tile.aureole >= point.aureole
+                );
             }
-            divided += usize::from(tiles != Tiles::merged(&sort(&view, &around, 1)).unwrap());
+            divided += usize::from(tiles != Tiles::merged(&around.sort(1)).unwrap());
         }
         assert!(divided > 100, "{divided}");
     }

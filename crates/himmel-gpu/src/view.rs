@@ -27,8 +27,8 @@ pub struct View {
     pub enu_from_view: DMat4,
     /// Width over height of the picture.
     pub aspect: f64,
-    /// Rows of the whole picture in pixels, by which points of light are sized; 0: unknown, which costs some time and is
-    /// right for pictures of at least 360 rows.
+    /// Rows of the whole picture in pixels, by which points of light are sized and the Milky Way is smoothed; 0: unknown,
+    /// which costs some time and is right for pictures of at least 360 rows (of about 1,080 for the Milky Way).
     pub rows_px: u32,
     /// The part of the picture that is drawn: left, bottom, width, height in 0..=1. For tiles of large pictures.
     pub part: [f64; 4],
@@ -102,11 +102,13 @@ impl View {
     /// The look direction of a point of the picture (ndc, y up), east-north-up; `None` outside a fisheye. The f64 twin
     /// of `look_direction` in `sky.wgsl`.
     pub fn direction(&self, ndc: [f64; 2]) -> Option<DVec3> {
+        self.along(&self.rays().ok()?, ndc)
+    }
+
+    /// The same by [`rays`](Self::rays) in hand: for many places.
+    pub(crate) fn along(&self, [middle, x, y]: &[DVec3; 3], ndc: [f64; 2]) -> Option<DVec3> {
         let look = match self.projection {
-            Projection::Matrix(_) => {
-                let [middle, x, y] = self.rays().ok()?;
-                (middle + x * ndc[0] + y * ndc[1]).normalize()
-            }
+            Projection::Matrix(_) => (*middle + *x * ndc[0] + *y * ndc[1]).normalize(),
             Projection::Fisheye(span) => {
                 let (x, y) = (ndc[0] * self.aspect, ndc[1]);
                 let radius = x.hypot(y);

@@ -402,30 +402,34 @@ impl SkyModel {
     }
 
     /// When and where one looks.
-    fn standing(&self) -> Result<(Instant, Place)> {
+    pub(crate) fn standing(&self) -> Result<(Instant, Place)> {
         let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
         let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
         Ok((instant, place))
     }
 
+    /// The Sun as the air and the picture have it.
+    fn sun_state(&self) -> Result<SunState> {
+        let (sun, settings) = (self.sun()?, &self.scene.sun);
+        Ok(SunState {
+            direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
+            disc_direction: direction_enu(sun.azimuth_deg, sun.altitude_deg),
+            radius_rad: (sun.radius_deg * settings.radius_scale).to_radians(),
+            irradiance: [settings.brightness / (sun.distance_au * sun.distance_au); 4],
+            disc: settings.disc,
+            limb_darkening: settings.limb_darkening,
+        })
+    }
+
     /// What the renderer needs for a frame.
     pub fn frame(&self) -> Result<FrameState> {
-        let sun = self.sun()?;
-        let settings = &self.scene.sun;
         let moon = self.moon()?;
         let moonlight = moon.as_ref().map(|moon| self.moon_as_light(moon)).transpose()?.flatten();
         let (instant, place) = self.standing()?;
         let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
         let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &self.points, &observer)?;
         Ok(FrameState {
-            sun: SunState {
-                direction: direction_enu(sun.azimuth_deg, sun.airless_altitude_deg),
-                disc_direction: direction_enu(sun.azimuth_deg, sun.altitude_deg),
-                radius_rad: (sun.radius_deg * settings.radius_scale).to_radians(),
-                irradiance: [settings.brightness / (sun.distance_au * sun.distance_au); 4],
-                disc: settings.disc,
-                limb_darkening: settings.limb_darkening,
-            },
+            sun: self.sun_state()?,
             other_suns: moonlight.into_iter().collect(),
             occluder: self.occluder()?,
             shadow: self.shadow()?,
@@ -446,14 +450,14 @@ impl SkyModel {
     /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground, the
     /// Sun's disc, and the glow of the night. The f64 twin of the renderer's pixel.
     pub fn luminance(&self, direction: DVec3) -> Result<DVec3> {
-        let frame = self.frame()?;
-        let (sun, settings) = (frame.sun, &self.scene.sun);
+        let (sun, settings) = (self.sun_state()?, &self.scene.sun);
         let direction = direction.normalize_or(DVec3::Z);
         let altitude_m = self.altitude_m().max(0.5);
         let nu = direction.dot(sun.direction).clamp(-1.0, 1.0);
         let ray = Ray { altitude_m, mu: direction.z, mu_s: sun.direction.z, nu };
         let mut four = self.atmosphere.radiance(&ray, TWIN_STEPS);
-        if settings.disc && direction.z.asin().to_degrees() > self.horizon_deg() {
+        let above = direction.z.asin().to_degrees() > self.horizon_deg();
+        if settings.disc && above {
             let occluder = self.occluder()?;
             let disc = Disc {
                 centre: sun.direction,
@@ -469,26 +473,23 @@ impl SkyModel {
             }
         }
         let mut sum: [f64; 4] = std::array::from_fn(|k| four[k] * sun.irradiance[k]);
-        for moon in &frame.other_suns {
-            let nu = direction.dot(moon.direction).clamp(-1.0, 1.0);
-            let ray = Ray { altitude_m, mu: direction.z, mu_s: moon.direction.z, nu };
-            let light = self.atmosphere.radiance(&ray, TWIN_STEPS);
+        let mut add = |factor: [f64; 4], light: [f64; 4]| {
             for k in 0..4 {
-                sum[k] += light[k] * moon.irradiance[k];
+                sum[k] += factor[k] * light[k];
             }
+        };
+        let moon = self.moon()?;
+        if let Some(light) = moon.as_ref().map(|moon| self.moon_as_light(moon)).transpose()?.flatten() {
+            let nu = direction.dot(light.direction).clamp(-1.0, 1.0);
+            let ray = Ray { altitude_m, mu: direction.z, mu_s: light.direction.z, nu };
+            add(light.irradiance, self.atmosphere.radiance(&ray, TWIN_STEPS));
         }
-        let above = direction.z.asin().to_degrees() > self.horizon_deg();
-        if let Some(light) = frame.moon.filter(|_| above).and_then(|moon| moon.radiance(direction, &frame.bending)) {
-            let through = self.atmosphere.sun_transmittance(altitude_m, direction.z);
-            for k in 0..4 {
-                sum[k] += through[k] * light[k];
-            }
+        let disc = moon.filter(|_| above).and_then(|moon| self.moon_as_disc(moon));
+        if let Some(light) = disc.and_then(|moon| moon.radiance(direction, &self.bending())) {
+            add(self.atmosphere.sun_transmittance(altitude_m, direction.z), light);
         }
-        let glow = frame.night.map(|night| night.parts(&self.atmosphere, altitude_m, direction, 0).sum());
-        if let Some(glow) = glow {
-            for k in 0..4 {
-                sum[k] += glow[k];
-            }
+        if let Some(night) = self.night()? {
+            add([1.0; 4], night.parts(&self.atmosphere, altitude_m, direction, 0).sum());
         }
         Ok(self.atmosphere.rec709(sum))
     }

@@ -11,9 +11,7 @@ use himmel_astro::physical::{MoonOrientation, moonlight};
 use himmel_astro::{Body, Instant, Place};
 use himmel_core::constants::{ASTRONOMICAL_UNIT_M, SUN_RADIUS_M};
 use himmel_gpu::SunState;
-use himmel_gpu::phenomena::moon::{
-    EclipseMap, MoonEclipse, MoonMap, MoonMaps, MoonPhotometry, MoonState, ShadowRule,
-};
+use himmel_gpu::phenomena::moon::{EclipseMap, MoonEclipse, MoonMap, MoonMaps, MoonPhotometry, MoonState, ShadowRule};
 use tracing::warn;
 
 use crate::error::Result;
@@ -258,7 +256,8 @@ impl SkyModel {
 
     fn moon_standing(&self) -> Result<Option<Standing>> {
         let (settings, sun_settings) = (&self.scene().moon, &self.scene().sun);
-        let by_hand = settings.azimuth_deg.is_some() || settings.altitude_deg.is_some() || settings.distance_km.is_some();
+        let by_hand =
+            settings.azimuth_deg.is_some() || settings.altitude_deg.is_some() || settings.distance_km.is_some();
         let sun_by_hand = sun_settings.azimuth_deg.is_some() || sun_settings.altitude_deg.is_some();
         // A Sun put by hand, or another star's, leaves the ephemeris' Moon without its light.
         let elsewhere = sun_by_hand || sun_settings.distance_au.or(self.preset().sun_distance_au).is_some();
@@ -401,7 +400,8 @@ impl SkyModel {
     /// What of the Moon's light arrives on a surface that faces it, at the four wavelengths.
     pub(crate) fn moon_beam(&self, moon: &Moon) -> [f64; 4] {
         let visible = visible_fraction(moon.altitude_deg - self.horizon_deg(), moon.radius_deg);
-        let lowest_mu = himmel_air::geometry::horizon_cosine(self.atmosphere().medium().bottom_radius_m, self.altitude_m());
+        let lowest_mu =
+            himmel_air::geometry::horizon_cosine(self.atmosphere().medium().bottom_radius_m, self.altitude_m());
         let mu = moon.altitude_deg.to_radians().sin().max(lowest_mu + 1e-9);
         let through = self.atmosphere().sun_transmittance(self.altitude_m(), mu);
         std::array::from_fn(|k| moon.irradiance[k] * through[k] * visible)

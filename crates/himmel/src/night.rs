@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use glam::{DMat3, DVec3};
-use himmel_astro::{Catalogue, Instant, Place};
+use himmel_astro::Catalogue;
 use himmel_gpu::NightGlow;
 use himmel_gpu::phenomena::night_glow::{NightParts, StarMap, mag_arcsec2_of_cd_m2, zodiacal};
 use image::{DynamicImage, ImageError, ImageFormat};
@@ -131,8 +131,7 @@ impl SkyModel {
         if !above && !thin && sun.airless_altitude_deg > DAY_ABOVE_DEG && scene.sun.brightness > 1e-6 {
             return Ok(None);
         }
-        let instant = Instant::from_unix_seconds(self.clock().unix_seconds())?;
-        let place = Place::from_degrees(self.observer().latitude_deg, self.observer().longitude_deg, altitude_m)?;
+        let (instant, place) = self.standing()?;
         let observer = himmel_astro::Observer::new(self.ephemeris(), &instant, &place)?;
         let enu_from_icrs = observer.place.enu_from_ecef() * observer.orientation.ecef_from_gcrs;
         let pole = enu_from_icrs * observer.orientation.ecliptic_of_date_from_gcrs().transpose().z_axis;

@@ -264,6 +264,7 @@ fn moonlit(model: &SkyModel, ephemeris: &dyn Ephemeris) -> Result<FrameState, St
 /// Pictures: 24 frames of the day as fisheyes, each at its own exposure, as an eye sees them; and a night with and without
 /// the Moon, photopic and as an eye has it.
 pub fn pictures(folder: &Path) -> Result<String, String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("cannot make {}: {error}", folder.display()))?;
     const SIDE: u32 = 220;
     let failed = |error: &dyn std::fmt::Display| error.to_string();
     let gpu = Gpu::open(None).map_err(|error| failed(&error))?;

@@ -7,7 +7,7 @@ use crate::profile::Profile;
 
 use super::Quality;
 use super::optics::{Optics, Scatterer};
-use super::peak::{self, Peaks};
+use super::peak::Peaks;
 
 /// All components that share a profile: their coefficients where the profile is 1, m⁻¹, at four wavelengths.
 #[derive(Clone, Debug, PartialEq)]
@@ -132,11 +132,6 @@ impl Prepared {
         };
         let peak_reference_per_m = species.iter().map(reference).collect();
         Self { species, aerosols, mean_phase_per_sr, peak_ratio, peak_reference_per_m, angles, depths }
-    }
-
-    /// Depth of the reference at a node of the tables.
-    pub fn depth_of(&self, node: usize) -> f64 {
-        peak::depth_of(node, self.depths)
     }
 }
 

@@ -165,7 +165,12 @@ mod tests {
     fn the_thesis_functions_and_their_limits() {
         let b = |phase: f64| opposition_surge(phase, SURFACE_DENSITY);
         assert_eq!(b(0.0), 2.0);
-        assert!((b(1e-7) - 2.0).abs() < 1e-6 && (b(FRAC_PI_2 - 1e-7) - 1.0).abs() < 1e-6 && b(FRAC_PI_2) == 1.0 && b(3.0) == 1.0);
+        assert!(
+            (b(1e-7) - 2.0).abs() < 1e-6
+                && (b(FRAC_PI_2 - 1e-7) - 1.0).abs() < 1e-6
+                && b(FRAC_PI_2) == 1.0
+                && b(3.0) == 1.0
+        );
         // By hand at 40°: tan = 0.8391, e^(−0.6/0.8391) = 0.4892.
         assert!((b(degrees(40.0)) - (2.0 - 0.8391 / 1.2 * 0.5108 * 2.5108)).abs() < 1e-3);
         let s = |phase: f64| forward_scattering(phase, FORWARD);
@@ -224,7 +229,9 @@ mod tests {
             thesis_illuminance_lx(degrees(phase_deg), MEAN.0, MEAN.1) / allen
         };
         println!("thesis over Allen: 40° {:.3}, 150° {:.2}", thesis(40.0), thesis(150.0));
-        assert!((thesis(0.0) - 1.0).abs() < 1e-9 && (thesis(40.0) - 0.9).abs() < 0.01 && (thesis(150.0) - 2.1).abs() < 0.1);
+        assert!(
+            (thesis(0.0) - 1.0).abs() < 1e-9 && (thesis(40.0) - 0.9).abs() < 0.01 && (thesis(150.0) - 2.1).abs() < 0.1
+        );
     }
 
     /// Oppositions that are no eclipses have the Moon 1.5° to 5.1° off the ecliptic, evenly over its node's angle: the mean

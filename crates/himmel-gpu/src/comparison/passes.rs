@@ -1,7 +1,7 @@
 //! The approximation's tables, and the pipelines that fill and show them.
 
 use crate::output::params::Tonemap;
-use crate::target::{DepthDirection, Output, Target};
+use crate::target::{Output, Target};
 
 /// A pipeline that fills one table (the froxels: two), with what it is bound to.
 pub(crate) struct TablePass {
@@ -84,8 +84,7 @@ pub(crate) fn picture_pipeline(
     target: &Target,
     tonemap: Tonemap,
 ) -> wgpu::RenderPipeline {
-    let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
-    let far_depth = [("far_depth", if reversed { 0.0 } else { 1.0 })];
+    let far_depth = [("far_depth", target.far_depth())];
     let finished = [
         ("finished", f64::from(u8::from(target.output == Output::Display))),
         ("tonemap_operator", f64::from(tonemap as u32)),
@@ -100,16 +99,7 @@ pub(crate) fn picture_pipeline(
             buffers: &[],
         },
         primitive: Default::default(),
-        depth_stencil: target.depth.map(|(format, direction)| wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(match direction {
-                DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
-                DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
-            }),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
+        depth_stencil: target.behind(),
         multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module,

@@ -87,7 +87,7 @@ struct ViewUniform {
     padding_1: f32,
     padding_2: f32,
     moon: MoonUniform,
-    // Rows of ICRS from view space (w of the first: texels of the star map to a radian), and of the ecliptic with its x to the Sun.
+    // Rows of ICRS from view space (w: level of the star map, its side in texels), and of the ecliptic with its x to the Sun.
     icrs_from_view: array<vec4f, 3>,
     ecliptic_from_view: array<vec4f, 3>,
     // Rectangles of cells, four to a vector: x₀, y₀, x₁, y₁ in cells, a byte each, from the lowest.

@@ -110,7 +110,7 @@ gpu_struct! {
         pub padding_2: f32,
         /// The Moon.
         pub moon: MoonUniform,
-        /// Rows of ICRS from view space; the first one's w: texels of the star map to a radian.
+        /// Rows of ICRS from view space; w: level of the star map, its side in texels.
         pub icrs_from_view: [[f32; 4]; 3],
         /// Rows of the ecliptic (x to the Sun) from view space.
         pub ecliptic_from_view: [[f32; 4]; 3],

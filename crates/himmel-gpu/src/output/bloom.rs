@@ -13,7 +13,7 @@ use super::params::{Bloom, OutputParams};
 use crate::error::GpuError;
 use crate::gpu::Gpu;
 use crate::layout::gpu_struct;
-use crate::pass::{Bound, Slot, bind, layout, module};
+use crate::pass::{Bound, Slot, bind, full_screen, layout, module};
 use crate::phenomena::cleared;
 use crate::still::{Picture, Pixels};
 use crate::target::{Output, Target};
@@ -125,29 +125,8 @@ impl BloomPass {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let pipeline = |entry_point, format: wgpu::TextureFormat| {
-            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-                label: Some(entry_point),
-                layout: Some(&pipeline_layout),
-                vertex: wgpu::VertexState {
-                    module: &module,
-                    entry_point: Some("bloom_vertex"),
-                    compilation_options: Default::default(),
-                    buffers: &[],
-                },
-                primitive: Default::default(),
-                depth_stencil: None,
-                multisample: Default::default(),
-                fragment: Some(wgpu::FragmentState {
-                    module: &module,
-                    entry_point: Some(entry_point),
-                    compilation_options: Default::default(),
-                    targets: &[Some(format.into())],
-                }),
-                multiview_mask: None,
-                cache: None,
-            })
-        };
+        let pipeline =
+            |fragment, format| full_screen(device, &module, &pipeline_layout, ["bloom_vertex", fragment], &[], format);
         let one = device.create_texture(&wgpu::TextureDescriptor {
             label: Some("one"),
             size: wgpu::Extent3d { width: 1, height: 1, depth_or_array_layers: 1 },

@@ -7,7 +7,7 @@ use super::eye::LUMINANCE_WEIGHTS;
 use super::params::{Adaptation, OutputParams};
 use crate::error::GpuError;
 use crate::layout::gpu_struct;
-use crate::pass::{Bound, Slot, bind, layout};
+use crate::pass::{Bound, Slot, bind, full_screen, layout};
 use crate::shader;
 
 /// Pixels darker than this share of the mean do not count, and the luminance of nothing at all, cd m⁻²; as in `meter.wgsl`.
@@ -156,27 +156,7 @@ impl Meter {
             bind_group_layouts: &[Some(&layout)],
             immediate_size: 0,
         });
-        let pipeline = device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("meter"),
-            layout: Some(&pipeline_layout),
-            vertex: wgpu::VertexState {
-                module: &module,
-                entry_point: Some("meter_vertex"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &module,
-                entry_point: Some("meter_fragment"),
-                compilation_options: Default::default(),
-                targets: &[Some(FORMAT.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        });
+        let pipeline = full_screen(device, &module, &pipeline_layout, ["meter_vertex", "meter_fragment"], &[], FORMAT);
         Ok(Self { picture, exposure, uniform, before, exposure_view, pipeline, bind_group })
     }
 

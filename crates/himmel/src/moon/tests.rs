@@ -20,7 +20,12 @@ fn full_moons_light_the_ground() {
     // 2024-04-23: 397,000 km, φ 2.5°.
     let settings = [("observer.place", "Potsdam"), ("clock.time", "2024-04-23T23:30Z")];
     let full = moon(&settings);
-    println!("{:.3} lx above the air, φ {:.2}°, {:.0} km", full.illuminance_lx, full.phase_angle_deg, full.distance_m / 1e3);
+    println!(
+        "{:.3} lx above the air, φ {:.2}°, {:.0} km",
+        full.illuminance_lx,
+        full.phase_angle_deg,
+        full.distance_m / 1e3
+    );
     assert!((full.illuminance_lx / 0.32 - 1.0).abs() < 0.05 + 1e-9);
     // The same night where it stands at 30°: by itself on level ground, and with the sky that it lights.
     let at_30 = [("observer.place", "41.6,12.0,10"), ("clock.time", "2024-04-23T21:55Z")];
@@ -188,11 +193,8 @@ fn earthshine_is_as_bright_as_measured() {
     println!("φ {:.1}°: earthshine {luminance:.2} cd/m²", thin.phase_angle_deg);
     assert!((0.4..1.7).contains(&luminance));
     assert!(thin.state.earthlit[3] / thin.state.sunlit[3] > thin.state.earthlit[0] / thin.state.sunlit[0]);
-    let thesis = moon(&[
-        ("observer.place", "Potsdam"),
-        ("clock.time", "2024-04-10T18:50Z"),
-        ("body.moon.photometry", "thesis"),
-    ]);
+    let thesis =
+        moon(&[("observer.place", "Potsdam"), ("clock.time", "2024-04-10T18:50Z"), ("body.moon.photometry", "thesis")]);
     let luminance = model.atmosphere().xyz(thesis.state.earthlit).y * 0.5;
     println!("thesis {luminance:.2} cd/m²");
     assert!((0.1..1.7).contains(&luminance));
@@ -214,7 +216,8 @@ fn the_disc_sums_to_the_illuminance() {
             let [u, v] = [i % n, i / n].map(|i| 2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0);
             let q_2 = u * u + v * v;
             if q_2 < 1.0 {
-                let normal = himmel_gpu::phenomena::moon::model::sphere_normal((x * u + y * v) * sine, state.direction, sine);
+                let normal =
+                    himmel_gpu::phenomena::moon::model::sphere_normal((x * u + y * v) * sine, state.direction, sine);
                 let light = state.ground_radiance(normal, (1.0 - q_2).sqrt());
                 sum += model.atmosphere().xyz(light).y * (2.0 * sine / f64::from(n)).powi(2);
             }

@@ -5,7 +5,7 @@ use glam::DMat4;
 use super::Air;
 use crate::error::GpuError;
 use crate::layout::gpu_struct;
-use crate::pass::{self, Bound, Slot, bind, compute, layout};
+use crate::pass::{self, Bound, Slot, bind, compute, full_screen, layout};
 use crate::target::DepthDirection;
 use crate::view::{Projection, View};
 
@@ -293,27 +293,7 @@ impl Apply {
             ("shafts", f64::from(u8::from(shafts))),
             ("eclipses", f64::from(u8::from(eclipsed))),
         ];
-        device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-            label: Some("apply air"),
-            layout: Some(&layout),
-            vertex: wgpu::VertexState {
-                module: &self.module,
-                entry_point: Some("apply_vertex"),
-                compilation_options: Default::default(),
-                buffers: &[],
-            },
-            primitive: Default::default(),
-            depth_stencil: None,
-            multisample: Default::default(),
-            fragment: Some(wgpu::FragmentState {
-                module: &self.module,
-                entry_point: Some("apply_fragment"),
-                compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
-                targets: &[Some(format.into())],
-            }),
-            multiview_mask: None,
-            cache: None,
-        })
+        full_screen(device, &self.module, &layout, ["apply_vertex", "apply_fragment"], &constants, format)
     }
 }
 

@@ -11,7 +11,9 @@ const WIDEST: u32 = 8192;
 
 /// Why a map cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[error("a map of the Moon is twice as wide as high, 2 × 1 to {WIDEST} pixels wide, got {width} × {height} with {bytes} bytes")]
+#[error(
+    "a map of the Moon is twice as wide as high, 2 × 1 to {WIDEST} pixels wide, got {width} × {height} with {bytes} bytes"
+)]
 pub struct MoonMapError {
     width: u32,
     height: u32,

@@ -33,6 +33,7 @@ struct NightUniform {
 @group(1) @binding(5) var star_map: texture_2d_array<u32>;
 // A quarter of the sphere, see `zodiacal.rs`.
 @group(1) @binding(6) var zodiacal_table: texture_2d<f32>;
+const ZODIACAL_SIZE: vec2f = vec2f(512.0, 256.0);
 
 // Integral of 1 − (s² + α)² over s, three-point Gauss–Legendre.
 fn layer_between(alpha: f32, start: f32, end: f32) -> f32 {
@@ -66,9 +67,9 @@ fn unpack_star(texel: u32) -> vec3f {
     return vec3f(vec3u(texel & 511u, (texel >> 9u) & 511u, (texel >> 18u) & 511u)) * scale;
 }
 
-// Of the stars that are not drawn one by one, bilinear within a face: by hand because rasterisers on CPUs take three times as long
-// for a sampler. dx: to the next pixel; the level with texels of its size.
-fn starlight(ray: vec3f, dx: vec3f) -> vec4f {
+// Of the stars that are not drawn one by one, bilinear within a face. By hand: a rasteriser on the CPU is no faster with a cube and a
+// sampler, which the f64 twin could not follow across edges.
+fn starlight(ray: vec3f) -> vec4f {
     let d = vec3f(
         dot(view.icrs_from_view[0].xyz, ray), dot(view.icrs_from_view[1].xyz, ray), dot(view.icrs_from_view[2].xyz, ray));
     // Faces as WebGPU's cube textures have them.
@@ -81,9 +82,8 @@ fn starlight(ray: vec3f, dx: vec3f) -> vec4f {
     let face = select(select(4u, 2u, along_y), 0u, along_x) + select(0u, 1u, negative);
     let place = select(
         select(vec2f(turn * d.x, -d.y), vec2f(d.x, turn * d.z), along_y), vec2f(-turn * d.z, -d.y), along_x) / abs(major);
-    let texels = view.icrs_from_view[0].w * view.icrs_from_view[0].w * dot(dx, dx);
-    let level = min(u32(0.5 * log2(max(texels, 1.0)) + 0.5), textureNumLevels(star_map) - 1u);
-    let side = f32(textureDimensions(star_map).x >> level);
+    let level = u32(view.icrs_from_view[0].w);
+    let side = view.icrs_from_view[1].w;
     let p = clamp((0.5 * place + 0.5) * side - 0.5, vec2f(0.0), vec2f(side - 1.0));
     let low = vec2u(p);
     let high = min(low + 1u, vec2u(u32(side) - 1u));
@@ -102,10 +102,10 @@ fn zodiacal_light(ray: vec3f) -> vec4f {
         dot(view.ecliptic_from_view[1].xyz, ray),
         dot(view.ecliptic_from_view[2].xyz, ray));
     let octahedron = direction / (abs(direction.x) + abs(direction.y) + abs(direction.z));
-    let size = vec2f(textureDimensions(zodiacal_table));
+    let size = ZODIACAL_SIZE;
     let p = clamp(vec2f(0.5 + 0.5 * octahedron.x, abs(octahedron.z)) * size - 0.5, vec2f(0.0), size - 1.0);
-    let low = min(vec2u(p), vec2u(max(size - 2.0, vec2f(0.0))));
-    let high = min(low + 1u, vec2u(size) - 1u);
+    let low = min(vec2u(p), vec2u(size) - 2u);
+    let high = low + 1u;
     let f = p - vec2f(low);
     return night_glow.zodiacal * mix(
         mix(textureLoad(zodiacal_table, low, 0), textureLoad(zodiacal_table, vec2u(high.x, low.y), 0), f.x),
@@ -115,8 +115,7 @@ fn zodiacal_light(ray: vec3f) -> vec4f {
 // What the night shows along a ray: airglow, zodiacal light, stars through the air, and what it scatters of them and of cities'
 // light. `within`: the camera is in the air, below the layer.
 // `open`: share of the pixel that the Moon does not cover.
-fn night_radiance(
-    ray: vec3f, dx: vec3f, mu: f32, sin_theta: f32, below: bool, within: bool, open: f32) -> vec4f {
+fn night_radiance(ray: vec3f, mu: f32, sin_theta: f32, below: bool, within: bool, open: f32) -> vec4f {
     let distance_m = airs[body].bottom_radius_m + view.altitude_m;
     // One look-up of T′ for all: towards space, or of the same line upwards from where it is in the air or on the ground.
     var from_m = view.altitude_m;
@@ -144,7 +143,7 @@ fn night_radiance(
     let up = clamp(mu, 0.0, 1.0);
     let total = ((2.0 + 3.0 * up) + (2.0 - 3.0 * up) * through) * night_glow.diffuse_factor;
     let cities = night_glow.pollution * (1.0 - exp(-night_glow.depth * inverseSqrt(1.0 - 0.96 * (1.0 - up * up))));
-    let behind = open * (starlight(ray, dx) + zodiacal_light(ray)) + night_glow.airglow * path.y;
+    let behind = open * (starlight(ray) + zodiacal_light(ray)) + night_glow.airglow * path.y;
     let sky = behind * through + night_glow.diffuse * max(total - through, vec4f(0.0)) + cities;
     let ground = mix(0.5 * (night_glow.diffuse + night_glow.ground), night_glow.ground, through);
     return select(sky, ground, below) + night_glow.airglow * path.x;

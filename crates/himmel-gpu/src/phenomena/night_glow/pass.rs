@@ -68,12 +68,18 @@ impl NightUniform {
 
 impl NightGlow {
     /// Rows of ICRS and of the ecliptic from view space, as the view's uniform has them.
-    pub(crate) fn axes(&self, view_from_enu: DMat3) -> [[[f32; 4]; 3]; 2] {
-        let texels = self.star_map.as_ref().map_or(1.0, |map| 0.5 * f64::from(map.side()));
-        [(self.icrs_from_enu, texels), (self.ecliptic_from_enu, 0.0)].map(|(from_enu, w)| {
+    ///
+    /// `pixel_rad`: what a pixel sees, for the level of the star map whose texels are as large.
+    pub(crate) fn axes(&self, view_from_enu: DMat3, pixel_rad: f64) -> [[[f32; 4]; 3]; 2] {
+        let rows = |from_enu: DMat3, w: [f64; 3]| {
             let from_view = from_enu * view_from_enu.transpose();
-            std::array::from_fn(|i| from_view.row(i).extend(w).as_vec4().to_array())
-        })
+            std::array::from_fn(|i| from_view.row(i).extend(w[i]).as_vec4().to_array())
+        };
+        let (side, levels) = self.star_map.as_ref().map_or((1, 1), |map| (map.side(), map.levels().len()));
+        // Half a face's side are the texels to a radian in its middle.
+        let level = (pixel_rad * 0.5 * f64::from(side)).max(1.0).log2().round().min((levels - 1) as f64);
+        let side = f64::from(side) / level.exp2();
+        [rows(self.icrs_from_enu, [level, side, 0.0]), rows(self.ecliptic_from_enu, [0.0; 3])]
     }
 }
 

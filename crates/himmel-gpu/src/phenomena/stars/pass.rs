@@ -19,7 +19,7 @@ use crate::output::params::Tonemap;
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::planets::{Discs, PlanetDisc, disc_slots};
 use crate::phenomena::sun::BendingUniform;
-use crate::target::{DepthDirection, Output, Target};
+use crate::target::{Output, Target};
 use crate::view::{Projection, View};
 
 /// Most points of a frame besides stars.
@@ -142,6 +142,7 @@ struct Kind {
     marching: bool,
     several_lights: bool,
     eclipsed: bool,
+    night: bool,
     tonemap: Tonemap,
     glare: bool,
     rays: bool,
@@ -158,6 +159,7 @@ pub(crate) struct PointsScene<'a> {
     pub altitude_m: f64,
     pub several_lights: bool,
     pub eclipsed: bool,
+    pub night: bool,
     pub tonemap: Tonemap,
 }
 
@@ -471,6 +473,7 @@ impl Points {
                     marching: finished && marching.get(index).copied().unwrap_or(true),
                     several_lights: finished && scene.several_lights,
                     eclipsed: finished && scene.eclipsed,
+                    night: finished && scene.night,
                     tonemap: scene.tonemap,
                     glare: physical && glare != Glare::None,
                     rays: physical && glare == Glare::Eye && params.ciliary_corona,
@@ -512,11 +515,10 @@ impl Points {
     }
 
     /// Values of the shaders' overrides; the first is the depth at infinity.
-    fn overrides(&self, kind: Kind) -> [(&'static str, f64); 15] {
+    fn overrides(&self, kind: Kind) -> [(&'static str, f64); 16] {
         let on = |yes: bool| f64::from(u8::from(yes));
-        let reversed = matches!(self.target.depth, Some((_, DepthDirection::Reversed)));
         [
-            ("far_depth", if reversed { 0.0 } else { 1.0 }),
+            ("far_depth", self.target.far_depth()),
             ("finished", on(self.target.output == Output::Display)),
             ("marching", on(kind.marching)),
             ("with_horizon", 0.0),
@@ -525,6 +527,7 @@ impl Points {
             ("linear", on(kind.linear)),
             ("several_lights", on(kind.several_lights)),
             ("eclipses", on(kind.eclipsed)),
+            ("night", on(kind.night)),
             ("tonemap_operator", f64::from(kind.tonemap as u32)),
             ("with_glare", on(kind.glare)),
             ("with_corona_rays", on(kind.rays)),
@@ -620,8 +623,7 @@ pub(crate) fn adding_pipeline(
     [vertex, fragment]: [&str; 2],
     constants: &[(&'static str, f64)],
 ) -> wgpu::RenderPipeline {
-    let reversed = matches!(target.depth, Some((_, DepthDirection::Reversed)));
-    let far_depth = ("far_depth", if reversed { 0.0 } else { 1.0 });
+    let far_depth = ("far_depth", target.far_depth());
     let constants: Vec<_> = std::iter::once(far_depth).chain(constants.iter().copied()).collect();
     let options = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
     let add = wgpu::BlendComponent {
@@ -639,16 +641,7 @@ pub(crate) fn adding_pipeline(
         layout: Some(layout),
         vertex: wgpu::VertexState { module, entry_point: Some(vertex), compilation_options: options(), buffers: &[] },
         primitive: Default::default(),
-        depth_stencil: target.depth.map(|(format, direction)| wgpu::DepthStencilState {
-            format,
-            depth_write_enabled: Some(false),
-            depth_compare: Some(match direction {
-                DepthDirection::Standard => wgpu::CompareFunction::LessEqual,
-                DepthDirection::Reversed => wgpu::CompareFunction::GreaterEqual,
-            }),
-            stencil: Default::default(),
-            bias: Default::default(),
-        }),
+        depth_stencil: target.behind(),
         multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module,

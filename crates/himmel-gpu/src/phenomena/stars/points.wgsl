@@ -110,12 +110,35 @@ struct PointVertex {
     @location(6) @interpolate(flat) own: vec4f,
 }
 
+fn lift_node(index: i32) -> f32 {
+    let i = clamp(index, 0, 31);
+    return points.lift.deviation[i / 4][i % 4];
+}
+
+// The same as bent_deviation(points.lift, …).x, without a copy of the table for each call.
+fn lift_at(elevation: f32) -> f32 {
+    let above = clamp(elevation - points.lift.lowest, -BENDING_BELOW, 1.57079633 - points.lift.lowest);
+    let scaled = abs(above) / points.lift.width;
+    let x = sign(above) * log(scaled + sqrt(scaled * scaled + 1.0)) / points.lift.span * 31.0;
+    let i = clamp(i32(floor(x)), 0, 30);
+    let here = lift_node(i);
+    let next = lift_node(i + 1);
+    let rise = next - here;
+    let low = select(0.5 * (next - lift_node(i - 1)), rise, i == 0);
+    let high = select(0.5 * (lift_node(i + 2) - here), rise, i == 30);
+    let t = x - f32(i);
+    if t < 0.0 {
+        return here + low * t;
+    }
+    return here + t * (low + t * ((3.0 * rise - 2.0 * low - high) + t * (low + high - 2.0 * rise)));
+}
+
 // A vector turned towards the zenith by a small angle, from true to apparent place.
 fn lifted(direction: vec3f) -> vec3f {
     let sine = dot(direction, view.up);
     let level = direction - sine * view.up;
     let across = length(level);
-    let angle = bent_deviation(points.lift, atan2(sine, across)).x;
+    let angle = lift_at(atan2(sine, across));
     let tangent = (view.up - sine * direction) / max(across, 1e-6);
     // Series: exact to 1e-7 up to 0.3 rad, where sin and cos of WGSL may err by 5e-4.
     let a2 = angle * angle;
@@ -212,7 +235,8 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
     let seed = fract(f32(index) * 0.618033988 + 0.5);
     var four = point.four * air_transmittance(seen, mu);
     if point.scintillation > 0.0 && points.scintillation > 0.0 {
-        let flicker = twinkle(seed, mu, points.scintillation, points.phases, points.shift, points.strength);
+        let flicker = twinkle(
+            seed, mu, points.scintillation, points.phases[0], points.phases[1], points.shift, points.strength);
         four *= mix(vec4f(1.0), flicker, point.scintillation);
     }
     let exposure = exposure_now();

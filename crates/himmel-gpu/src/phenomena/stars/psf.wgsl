@@ -47,19 +47,26 @@ fn air_mass(sine: f32) -> f32 {
     return 1.0 / (s + 0.025 * exp(-11.0 * s));
 }
 
-// What scintillation makes of each wavelength's light. `sigma`: its standard deviation at the zenith at 550 nm; `phases`:
-// of its waves now; `shift`: how far the wavelengths' ways lie apart, in sizes of the pattern, over tan z sec z.
-fn twinkle(seed: f32, sine: f32, sigma: f32, phases: array<vec4f, 2>, shift: vec4f, strength: vec4f) -> vec4f {
+// Four waves of scintillation for each wavelength. `phases`: now, in turns; `own`: the point's; `growth`: of the waves with
+// the way that lies apart.
+fn four_waves(phases: vec4f, own: vec4f, growth: vec4f, apart: vec4f) -> vec4f {
+    let at = 6.28318531 * (phases + own);
+    let turned = 6.28318531 * apart;
+    return cos(at.x + growth.x * turned) + cos(at.y + growth.y * turned) + cos(at.z + growth.z * turned)
+        + cos(at.w + growth.w * turned);
+}
+
+// What scintillation makes of each wavelength's light. `sigma`: its standard deviation at the zenith at 550 nm; `low`, `high`:
+// phases of its eight waves now; `shift`: how far the wavelengths' ways lie apart, in sizes of the pattern, over tan z sec z.
+fn twinkle(seed: f32, sine: f32, sigma: f32, low: vec4f, high: vec4f, shift: vec4f, strength: vec4f) -> vec4f {
     let mass = air_mass(sine);
     let apart = shift * mass * mass * sqrt(max(1.0 - sine * sine, 0.0));
-    var wave = vec4f(0.0);
-    for (var i = 0u; i < 8u; i++) {
-        let own = fract(seed * (0.7548776662 + 0.5698402910 * f32(i)));
-        // Waves of 0.5 to 1.5 times the pattern's size.
-        let angle = 6.28318531 * (phases[i / 4u][i % 4u] + own) + (0.5 + 0.125 * f32(i)) * 6.28318531 * apart;
-        wave += cos(angle);
-    }
-    // Eight waves of ½ each: variance 4.
+    let index = vec4f(0.0, 1.0, 2.0, 3.0);
+    let own_low = fract(seed * (0.7548776662 + 0.5698402910 * index));
+    let own_high = fract(seed * (0.7548776662 + 0.5698402910 * (index + 4.0)));
+    // Waves of 0.5 to 1.4 times the pattern's size. Eight waves of ½ each: variance 4.
+    let wave = four_waves(low, own_low, 0.5 + 0.125 * index, apart)
+        + four_waves(high, own_high, 1.0 + 0.125 * index, apart);
     let deviation = min(sigma * pow(mass, 1.75), 1.0) * strength;
     let log_variance = log(1.0 + deviation * deviation);
     return exp(0.5 * wave * sqrt(log_variance) - 0.5 * log_variance);
