@@ -16,7 +16,7 @@ use crate::{Failure, out, print_bytes};
   himmel light --set light.sun.altitude_deg=-4 --samples 200000 --json
   himmel light --place Potsdam --from 2012-09-06T19:00 --to 2012-09-06T21:00 --step 10m --solver moments -o dusk.csv
 
-first:      light scattered once, as the pictures have it so far; too dark, most so in twilight.
+first:      light scattered once; too dark, most so in twilight.
 moments:    all orders by the table of moments; half a minute for the table, then any number of times; no noise.
 reference:  all orders by the Monte Carlo tracer at sixteen wavelengths, with standard errors.
 
@@ -354,7 +354,7 @@ fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<(), Fai
     }
     out!("atmosphere   {} — {}", model.scene().preset, model.preset().title);
     match args.solver.as_str() {
-        "first" => out!("solver       first: light scattered once, as it is drawn"),
+        "first" => out!("solver       first: light scattered once"),
         "moments" => out!("solver       moments"),
         _ => out!("solver       reference, {} paths, seed {}", args.samples, args.seed),
     }
