@@ -24,6 +24,8 @@ const DAY_ABOVE_DEG: f64 = 5.0;
 const SET_BELOW_DEG: f64 = -8.0;
 /// Moonlight weaker than a thousandth of the night sky's is no light, lx.
 const LEAST_LX: f64 = 1e-6;
+/// How far from 1 au the Earth may be, with some room.
+const EARTHS_ORBIT_AU: f64 = 0.02;
 /// Distances for which an eclipse's table serves: it is scaled to the edge of the shadow that is asked for.
 const SAME_WITHIN: f64 = 0.003;
 
@@ -259,8 +261,12 @@ impl SkyModel {
         let by_hand =
             settings.azimuth_deg.is_some() || settings.altitude_deg.is_some() || settings.distance_km.is_some();
         let sun_by_hand = sun_settings.azimuth_deg.is_some() || sun_settings.altitude_deg.is_some();
-        // A Sun put by hand, or another star's, leaves the ephemeris' Moon without its light.
-        let elsewhere = sun_by_hand || sun_settings.distance_au.or(self.preset().sun_distance_au).is_some();
+        // A Sun put by hand, or another star's, leaves the ephemeris' Moon without its light; other planets have none.
+        let other_star = sun_settings.distance_au.or(self.preset().sun_distance_au);
+        let other_star = other_star.is_some_and(|au| (au - 1.0).abs() > EARTHS_ORBIT_AU);
+        let radius_m = self.atmosphere().medium().bottom_radius_m;
+        let other_planet = (radius_m / Body::Earth.radius_m() - 1.0).abs() > 0.01;
+        let elsewhere = sun_by_hand || other_star || other_planet;
         if !settings.enabled || (elsewhere && !by_hand) {
             return Ok(None);
         }
