@@ -78,6 +78,31 @@ fn the_eclipse_of_2010() {
     }
 }
 
+/// At the umbra's rim ozone takes red away more than cyan: within 0.3 radii of the edge the ratio of cyan to red is more than a
+/// tenth above that of the same air without ozone.
+#[test]
+fn the_rims_turquoise_is_the_ozones() {
+    let time = ("clock.time", "2010-12-21T08:17Z");
+    let [with, without] = [&[NEW_YORK, time][..], &[NEW_YORK, time, ("air.absorbers", "0")]].map(moon);
+    let ratio = |moon: &Moon, distance: f64| {
+        let light = moon.state.eclipse.as_ref().unwrap().light(DVec3::X * distance);
+        light[2] / light[0]
+    };
+    let gains: Vec<f64> = (0..14)
+        .map(|i| {
+            let distance = 2.0 + 0.05 * f64::from(i);
+            let gain = ratio(&with, distance) / ratio(&without, distance);
+            println!(
+                "{distance:.2} radii: cyan to red {:.3}, without ozone {:.3}",
+                ratio(&with, distance),
+                ratio(&without, distance)
+            );
+            gain
+        })
+        .collect();
+    assert!(gains.iter().fold(0.0, |most: f64, gain| most.max(*gain)) > 1.1, "{gains:?}");
+}
+
 /// Where the umbra's edge lies by the air's own rays: 2 % of the Moon's radius from Danjon's.
 #[test]
 fn the_airs_own_umbra_is_danjons() {
