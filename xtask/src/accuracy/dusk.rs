@@ -7,13 +7,13 @@ use glam::DVec3;
 use himmel::parts::astro::{Catalogue, Instant, Observer, Place, Precise, Star};
 use himmel::{Gpu, Output, Scene, SkyModel, Still, limiting_magnitude};
 
-use super::day::Sheet;
 use super::Work;
+use super::day::Sheet;
 
 /// Potsdam, a night before new Moon; Vega stands 70° high in the dusk.
 const PLACE: [f64; 3] = [52.39, 13.06, 40.0];
 const START: i64 = 1_347_729_600; // 2012-09-15T17:20Z, at sunset.
-const MINUTES: i64 = 116;
+const MINUTES: i64 = 126;
 /// Stars lower than this are left out: their air is another.
 const LOWEST_DEG: f64 = 30.0;
 /// Elevations of the Sun at which pictures are made.
@@ -32,12 +32,11 @@ fn model_at(minute: i64) -> Result<SkyModel, String> {
     let mut scene = Scene::default();
     let time = jiff::Timestamp::from_second(START + 60 * minute).map_err(|error| error.to_string())?.to_string();
     let place = PLACE.map(|value| value.to_string()).join(",");
-    // Vega is at 280° when the night begins.
     for (key, value) in [
         ("observer.place", place.as_str()),
         ("clock.time", &time),
         ("camera.look", "vega"),
-        ("camera.fov_deg", "60"),
+        ("camera.fov_deg", "20"),
         ("output.tonemap", "eye"),
         ("output.width_px", &SIZE.0.to_string()),
         ("output.height_px", &SIZE.1.to_string()),
@@ -81,7 +80,9 @@ pub fn table(work: Work, folder: Option<&Path>) -> Result<String, String> {
         let sun_deg = model.sun().map_err(|error| failed(&error))?.airless_altitude_deg;
         let instant = Instant::from_unix_seconds(model.clock().unix_seconds()).map_err(|error| failed(&error))?;
         let observer = Observer::new(&ephemeris, &instant, &place).map_err(|error| failed(&error))?;
-        for of in watched.iter_mut().filter(|of| of.seen_at_deg.is_none()) {
+        // No part of the sky above 30° is ten times darker than the zenith.
+        let hopeless = limiting_magnitude(0.1 * luminance(&model, DVec3::Z)?);
+        for of in watched.iter_mut().filter(|of| of.seen_at_deg.is_none() && of.star.v_magnitude < hopeless) {
             let direction = observer.apparent_star(of.star).direction_enu;
             let altitude_deg = direction.z.clamp(-1.0, 1.0).asin().to_degrees();
             if altitude_deg < LOWEST_DEG {
@@ -104,9 +105,8 @@ pub fn table(work: Work, folder: Option<&Path>) -> Result<String, String> {
             next += 1;
         }
     }
-    let mut text = String::from(
-        "| V | stars | first seen with the Sun at | half of them | all |\n|---|---|---|---|---|\n",
-    );
+    let mut text =
+        String::from("| V | stars | first seen with the Sun at | half of them | all |\n|---|---|---|---|---|\n");
     let first = watched.iter().find(|of| std::ptr::eq(of.star, vega));
     if let Some(Watched { seen_at_deg: Some(sun_deg), altitude_deg, .. }) = first {
         let _ = writeln!(text, "| Vega, {altitude_deg:.0}° high | 1 | {sun_deg:.1}° | | |");
@@ -133,7 +133,7 @@ pub fn table(work: Work, folder: Option<&Path>) -> Result<String, String> {
     Ok(text)
 }
 
-/// Pictures at some minutes, side by side, each with the stars to the limit behind Vega.
+/// Pictures at some minutes, side by side.
 fn draw(model: &mut SkyModel, minutes: &[i64], path: &Path) -> Result<(), String> {
     let failed = |error: &dyn std::fmt::Display| error.to_string();
     let gpu = Gpu::open(None).map_err(|error| failed(&error))?;

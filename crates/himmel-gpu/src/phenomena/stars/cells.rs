@@ -252,7 +252,7 @@ mod tests {
                 if seen && star.v_magnitude <= 5.0 && direction.z > 0.0 {
                     assert!(drawn(index), "{view:?} leaves out {direction}");
                 }
-                    }
+            }
         }
         let few: usize = Sight::new(&View::looking(0.3, 0.8, 0.1, 1.6), 0.0, 0.0, 720.0)
             .unwrap()
