@@ -7,6 +7,7 @@ mod bloom;
 mod day;
 mod functions;
 mod host;
+mod moon;
 mod night;
 mod pictures;
 mod saved;

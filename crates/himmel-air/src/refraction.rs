@@ -1,8 +1,10 @@
 //! Bent rays: where light comes from, and what is left of it, when the air's density bends its path.
 
 mod bending;
+mod grazing;
 
 pub use bending::{Bending, NODES as BENDING_NODES, traced_deviation_rad};
+pub use grazing::{DUST_ALTITUDE_M, Grazing, grazing};
 
 use himmel_core::interpolate::{lerp, locate};
 use himmel_core::spectrum::Spectrum;

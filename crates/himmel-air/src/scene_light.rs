@@ -231,6 +231,17 @@ fn scattering_distance_m(medium: &Medium, altitude_m: f64, mu: f64) -> f64 {
 }
 
 impl Ambient {
+    /// Of a star of an irradiance by wavelength.
+    pub fn times(&self, irradiance: [f64; 4]) -> Self {
+        let by = |four: [f64; 4]| std::array::from_fn(|k| four[k] * irradiance[k]);
+        Self {
+            down: by(self.down),
+            up: by(self.up),
+            zenith_per_sr: by(self.zenith_per_sr),
+            harmonics: self.harmonics.map(by),
+        }
+    }
+
     /// Light of any sky: `rays` calls its argument with unit vectors (east-north-up), solid angles and radiances. The zenith stays 0.
     pub fn gathered(rays: impl FnOnce(&mut dyn FnMut(DVec3, f64, [f64; 4]))) -> Self {
         let mut sum = Self::default();

@@ -47,6 +47,7 @@ pub const SHARED: &[Layout] = &[
     crate::phenomena::air::uniform::Species::LAYOUT,
     crate::phenomena::air::uniform::Aerosol::LAYOUT,
     crate::phenomena::air::uniform::AirUniform::LAYOUT,
+    crate::phenomena::moon::MoonUniform::LAYOUT,
     crate::phenomena::night_glow::NightUniform::LAYOUT,
     crate::phenomena::sun::BendingUniform::LAYOUT,
     crate::phenomena::sun::DiscUniform::LAYOUT,

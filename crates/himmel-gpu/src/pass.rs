@@ -14,6 +14,8 @@ pub(crate) enum Slot {
     Layers,
     /// Layers that a sampler filters.
     Filtered,
+    /// A table that a sampler filters.
+    FilteredTable,
     /// Layers of whole numbers.
     Codes,
     /// A sampler that filters.
@@ -52,6 +54,7 @@ fn entry(binding: u32, slot: Slot, visibility: wgpu::ShaderStages) -> wgpu::Bind
         Slot::Table => texture(float, TextureViewDimension::D2),
         Slot::Layers => texture(float, TextureViewDimension::D2Array),
         Slot::Filtered => texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2Array),
+        Slot::FilteredTable => texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2),
         Slot::Codes => texture(TextureSampleType::Uint, TextureViewDimension::D2Array),
         Slot::Sampler => BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         Slot::Volume => texture(float, TextureViewDimension::D3),

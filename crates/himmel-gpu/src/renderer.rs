@@ -17,6 +17,7 @@ use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::cleared;
+use crate::phenomena::moon::{MoonState, MoonTextures, MoonUniform};
 use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
 use crate::phenomena::overlay::{Lines, Overlay};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
@@ -57,6 +58,8 @@ pub struct FrameState {
     pub shadow: Option<Shadow>,
     /// How the air bends what is seen.
     pub bending: Arc<Bending>,
+    /// The Moon's disc; as a light it is one of the other suns.
+    pub moon: Option<MoonState>,
     /// The stars; `None`: there are none.
     pub stars: Option<StarField>,
     /// Points of light besides stars; at most 128.
@@ -91,6 +94,7 @@ impl FrameState {
             bodies: Vec::new(),
             planets: Vec::new(),
             hiders: Vec::new(),
+            moon: None,
             night: None,
             overlay: None,
             altitude_m,
@@ -127,8 +131,9 @@ impl FrameState {
                 && sun.radius_rad.is_finite()
                 && sun.irradiance.iter().all(|value| value.is_finite())
         };
-        if !(self.suns().all(finite) && self.altitude_m.is_finite()) {
-            return Err(GpuError::View("the suns and the observer's altitude must be finite".into()));
+        let moon = self.moon.as_ref().is_none_or(MoonState::is_finite);
+        if !(self.suns().all(finite) && moon && self.altitude_m.is_finite()) {
+            return Err(GpuError::View("the suns, the Moon and the observer's altitude must be finite".into()));
         }
         Ok(())
     }
@@ -144,7 +149,7 @@ struct Standing {
     up: DVec3,
     altitude_m: f64,
     /// Its tiles by what they need.
-    tiles: [Range<u32>; 5],
+    tiles: [Range<u32>; 6],
 }
 
 /// Staging buffers that frames use in turn: three frames may be recorded before the first is submitted.
@@ -163,6 +168,7 @@ pub struct SkyRenderer {
     pipelines: Pipelines,
     meter: Meter,
     air: Air,
+    moon: MoonTextures,
     night: NightTextures,
     default_quality: AirQuality,
     pace: Pace,
@@ -186,10 +192,11 @@ pub struct SkyRenderer {
     eclipsed: bool,
     by_night: bool,
     occluded: bool,
+    with_moon: bool,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     /// Of the metering view and each prepared one: its tiles by what they need.
-    tiles: Vec<[Range<u32>; 5]>,
+    tiles: Vec<[Range<u32>; 6]>,
     uploads: Uploads,
     /// The part of the frame's uniform that follows from the medium.
     colours: FrameUniform,
@@ -258,10 +265,12 @@ impl SkyRenderer {
         let view_slots: Vec<_> = [(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)]
             .into_iter()
             .chain(NightTextures::SLOTS)
+            .chain(MoonTextures::SLOTS)
             .collect();
         let view_layout =
             layout(device, "sky view", wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE, &view_slots);
         let night = NightTextures::new(device);
+        let moon = MoonTextures::new(device, queue);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
             bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
@@ -287,7 +296,7 @@ impl SkyRenderer {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler, &night);
+        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler, &night, &moon);
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
@@ -296,6 +305,7 @@ impl SkyRenderer {
             pipelines,
             meter,
             air,
+            moon,
             night,
             default_quality,
             // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
@@ -318,6 +328,7 @@ impl SkyRenderer {
             eclipsed: false,
             by_night: false,
             occluded: false,
+            with_moon: false,
             marching: Vec::new(),
             tiles: Vec::new(),
             uploads: Uploads {
@@ -370,8 +381,15 @@ impl SkyRenderer {
 
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
-        self.view_group =
-            view_group(&self.device, &self.view_layout, &self.view_buffer, &self.air, &self.sampler, &self.night);
+        self.view_group = view_group(
+            &self.device,
+            &self.view_layout,
+            &self.view_buffer,
+            &self.air,
+            &self.sampler,
+            &self.night,
+            &self.moon,
+        );
     }
 
     /// The target it draws to.
@@ -381,7 +399,8 @@ impl SkyRenderer {
 
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
-        self.air.bytes() + self.night.bytes() + self.points.bytes() + self.apply.as_ref().map_or(0, Apply::bytes)
+        let own = self.air.bytes() + self.moon.bytes() + self.night.bytes() + self.points.bytes();
+        own + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
     /// How far the rebuilding of the air's tables is; `None` once all orders of scattering are there.
@@ -504,6 +523,7 @@ impl SkyRenderer {
         let lights = frame.suns().count() as u32;
         stale |= self.air.reserve(&self.device, stations.len() as u32, lights);
         stale |= frame.night.as_ref().is_some_and(|night| self.night.hold(&self.device, &self.queue, night));
+        stale |= frame.moon.as_ref().is_some_and(|moon| self.moon.hold(&self.device, &self.queue, moon));
         if stale {
             self.bind_views();
         }
@@ -547,6 +567,7 @@ impl SkyRenderer {
         self.eclipsed = frame.shadow.is_some();
         self.by_night = frame.night.is_some();
         self.occluded = frame.occluder.is_some();
+        self.with_moon = frame.moon.is_some();
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
@@ -622,7 +643,7 @@ impl SkyRenderer {
     }
 
     /// Draws a view of the prepared frame into the host's pass, at infinite depth. Sets its own pipeline and bind
-    /// groups 0 to 3; touches nothing else. A view that was not prepared is left out with a warning.
+    /// groups 0 to 2; touches nothing else. A view that was not prepared is left out with a warning.
     pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         if view_index >= self.prepared {
             tracing::warn!(view_index, prepared = self.prepared, "the sky was not prepared for this view");
@@ -714,6 +735,7 @@ impl SkyRenderer {
             eclipsed: self.eclipsed,
             night: self.by_night,
             occluded: self.occluded,
+            moon: self.with_moon,
         }
     }
 
@@ -779,10 +801,17 @@ impl SkyRenderer {
         let reaches = std::iter::once(if frame.occluder.is_some() { 40.0 } else { 1.1 }).chain(std::iter::repeat(1.1));
         let tile_lights: Vec<TileLight> = (frame.suns().zip(reaches))
             .map(|(sun, reach)| TileLight {
-                direction: sun.direction.normalize_or(DVec3::Z),
+                direction: Some(sun.direction.normalize_or(DVec3::Z)),
+                moon: false,
                 disc_direction: sun.disc_direction.normalize_or(DVec3::Z),
                 reach_rad: reach * sun.radius_rad,
             })
+            .chain(frame.moon.iter().map(|moon| TileLight {
+                direction: None,
+                moon: true,
+                disc_direction: moon.disc_direction.normalize_or(DVec3::Z),
+                reach_rad: 1.1 * moon.radius_rad,
+            }))
             .collect();
         let rows = if view.rows_px > 0 { view.rows_px } else { PICTURE_ROWS };
         let pixel_rad = view.degrees_per_pixel(rows).to_radians();
@@ -829,6 +858,10 @@ impl SkyRenderer {
                 .shadow
                 .as_ref()
                 .map_or_else(ShadowUniform::default, |shadow| ShadowUniform::new(shadow, view_from_enu)),
+            moon: frame
+                .moon
+                .as_ref()
+                .map_or_else(MoonUniform::default, |moon| MoonUniform::new(moon, &frame.bending, view_from_enu)),
             ..ViewUniform::default()
         };
         Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges })
@@ -851,11 +884,12 @@ fn view_group(
     air: &Air,
     sampler: &wgpu::Sampler,
     night: &NightTextures,
+    moon: &MoonTextures,
 ) -> wgpu::BindGroup {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
     let bound = [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
-    let bound: Vec<_> = bound.into_iter().chain(night.bound()).collect();
+    let bound: Vec<_> = bound.into_iter().chain(night.bound()).chain(moon.bound()).collect();
     bind(device, "sky view", layout, &bound)
 }
 
@@ -872,6 +906,8 @@ enum Variant {
     Aureole,
     /// Tiles near a light and at the horizon.
     Both,
+    /// Tiles with the Moon, off the horizon and far from other discs.
+    Moon,
     /// Tiles with a disc.
     Everything,
     /// The metering picture, marching.
@@ -881,9 +917,9 @@ enum Variant {
 }
 
 impl Variant {
-    const COUNT: usize = 8;
+    const COUNT: usize = 9;
     /// Those that draw a picture from the table together, in the order of [`Needs::SETS`].
-    const TILED: [Self; 5] = [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Everything];
+    const TILED: [Self; 6] = [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Moon, Self::Everything];
 
     fn tiled(self) -> bool {
         Self::TILED.contains(&self)
@@ -916,7 +952,7 @@ struct Pipelines {
 }
 
 /// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 32 * Tonemap::ALL.len()];
+type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 64 * Tonemap::ALL.len()];
 
 /// What else pipelines differ in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -931,6 +967,8 @@ struct Kind {
     eclipsed: bool,
     /// … and for its disc.
     occluded: bool,
+    /// Whether the Moon is in the picture: asked by pipelines that may draw it only.
+    moon: bool,
     /// Whether the night glows.
     night: bool,
 }
@@ -943,7 +981,7 @@ impl Pipelines {
     /// Makes what the next frame of a matrix projection needs.
     fn make(&self, marching: bool) {
         let variants: &[Variant] = if marching { &[Variant::Marching] } else { &Variant::TILED };
-        for variant in variants {
+        for variant in variants.iter().filter(|variant| **variant != Variant::Moon) {
             self.get(
                 *variant,
                 Kind {
@@ -953,18 +991,21 @@ impl Pipelines {
                     eclipsed: false,
                     night: false,
                     occluded: false,
+                    moon: false,
                 },
             );
         }
     }
 
     fn get(&self, variant: Variant, kind: Kind) -> &wgpu::RenderPipeline {
+        let kind = Kind { moon: kind.moon && variant.has().moon, ..kind };
         let at = usize::from(kind.linear)
             + 2 * usize::from(kind.several_lights)
             + 4 * usize::from(kind.eclipsed)
             + 8 * usize::from(kind.occluded)
             + 16 * usize::from(kind.night)
-            + 32 * kind.tonemap as usize;
+            + 32 * usize::from(kind.moon)
+            + 64 * kind.tonemap as usize;
         self.made[at][variant as usize].get_or_init(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
@@ -983,7 +1024,7 @@ fn sky_pipeline(
     [groups, aerosols]: [(&'static str, f64); 2],
 ) -> wgpu::RenderPipeline {
     let on = |yes: bool| f64::from(u8::from(yes));
-    let Needs { horizon, aureole, disc } = variant.has();
+    let Needs { horizon, aureole, disc, moon: _ } = variant.has();
     let marching = ("marching", on(variant.marching()));
     let metering = ("metering", on(variant.metering()));
     let vertex_constants = vec![("tiled", on(variant.tiled())), ("far_depth", target.far_depth()), marching, metering];
@@ -997,6 +1038,7 @@ fn sky_pipeline(
         ("eclipses", on(kind.eclipsed)),
         ("night", on(kind.night)),
         ("occluded", on(kind.occluded)),
+        ("with_moon", on(kind.moon)),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),
         ("target_is_srgb", on(target.colour.is_srgb())),
         marching,

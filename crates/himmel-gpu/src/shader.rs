@@ -34,6 +34,8 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/air/sky_view_refine.wgsl", include_str!("phenomena/air/sky_view_refine.wgsl")),
     ("phenomena/air/sky_view_table.wgsl", include_str!("phenomena/air/sky_view_table.wgsl")),
     ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
+    ("phenomena/moon/moon.wgsl", include_str!("phenomena/moon/moon.wgsl")),
+    ("phenomena/moon/uniform.wgsl", include_str!("phenomena/moon/uniform.wgsl")),
     ("phenomena/overlay/lines.wgsl", include_str!("phenomena/overlay/lines.wgsl")),
     ("phenomena/planets/disc.wgsl", include_str!("phenomena/planets/disc.wgsl")),
     ("phenomena/planets/shade.wgsl", include_str!("phenomena/planets/shade.wgsl")),

@@ -4,6 +4,7 @@
 //#include "phenomena/air/sky_view_table.wgsl"
 //#include "phenomena/night_glow/night_glow.wgsl"
 //#include "phenomena/sun/sun.wgsl"
+//#include "phenomena/moon/moon.wgsl"
 //#include "output/tonemap.wgsl"
 //#include "output/dither.wgsl"
 
@@ -29,6 +30,8 @@ override linear: bool = false;
 // Whether there may be more than one light. One alone is read in place: rasterisers on CPUs gather what a loop indexes.
 override several_lights: bool = false;
 
+// Whether the Moon is in the picture.
+override with_moon: bool = false;
 // Whether the night's own glow is drawn.
 override night: bool = false;
 
@@ -122,10 +125,25 @@ fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, si
             sum += light_radiance(light, from_table[light], ray, dx, dy, mu, sin_theta, below);
         }
     }
-    if night {
-        sum += night_radiance(ray, mu, sin_theta, below, !marching);
+    var moon = MoonLight(vec4f(0.0), 0.0);
+    if with_moon && !below {
+        moon = moon_light(ray, dx, dy);
+        moon.radiance *= transmittance_behind(mu, sin_theta);
     }
+    if night {
+        sum += night_radiance(ray, mu, sin_theta, below, !marching, 1.0 - moon.cover);
+    }
+    sum += moon.radiance;
     return sum;
+}
+
+// What the air along a ray lets through of what lies behind it.
+fn transmittance_behind(mu: f32, sin_theta: f32) -> vec4f {
+    if marching {
+        let start = enter(view.altitude_m, mu, sin_theta, 0.0, 0.0, 0.0);
+        return select(transmittance_to_space(start.altitude_m, start.mu), vec4f(1.0), start.misses);
+    }
+    return transmittance_to_space(view.altitude_m, mu);
 }
 
 // The same of one light.

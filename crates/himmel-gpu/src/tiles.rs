@@ -16,7 +16,7 @@ use crate::view::View;
 /// corners at sixteenths of a pixel (SwiftShader) or finer, and what is interpolated between them is off by half of that,
 /// which shows at the horizon.
 const TILES: [usize; 2] = [16, 18];
-/// Tiles with a disc or the horizon are divided into so many cells a side, as far as there is room for the rectangles.
+/// Tiles with a disc, the Moon or the horizon are divided into so many cells a side, as far as there is room for the rectangles.
 const DIVISION: usize = 4;
 /// Cells along the sides of a picture; the same in `sky.wgsl`.
 const CELLS: [usize; 2] = [TILES[0] * DIVISION, TILES[1] * DIVISION];
@@ -28,6 +28,9 @@ const WIDENED: f64 = 0.4;
 /// Angle to a light up to which its aureole is drawn, rad; the same in `sky_view_table.wgsl`.
 const AUREOLE_TO: f64 = 0.35;
 
+/// Discs of a frame: of every light, and the Moon's.
+const MOST_DISCS: usize = MOST_LIGHTS + 1;
+
 /// What pixels may have to draw.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Needs {
@@ -37,25 +40,32 @@ pub(crate) struct Needs {
     pub aureole: bool,
     /// The disc of a light; with it always everything.
     pub disc: bool,
+    /// The Moon's disc.
+    pub moon: bool,
 }
 
 impl Needs {
     /// All of it.
-    pub(crate) const ALL: Self = Self { horizon: true, aureole: true, disc: true };
+    pub(crate) const ALL: Self = Self { horizon: true, aureole: true, disc: true, moon: true };
+    /// The Moon by itself; at night it is one of the lights that have an aureole.
+    const MOON: Self = Self { horizon: false, aureole: true, disc: false, moon: true };
     /// Every set of needs that a tile may have, cheapest first.
-    pub(crate) const SETS: [Self; 5] = [
-        Self { horizon: false, aureole: false, disc: false },
-        Self { horizon: true, aureole: false, disc: false },
-        Self { horizon: false, aureole: true, disc: false },
-        Self { horizon: true, aureole: true, disc: false },
+    pub(crate) const SETS: [Self; 6] = [
+        Self { horizon: false, aureole: false, disc: false, moon: false },
+        Self { horizon: true, aureole: false, disc: false, moon: false },
+        Self { horizon: false, aureole: true, disc: false, moon: false },
+        Self { horizon: true, aureole: true, disc: false, moon: false },
+        Self::MOON,
         Self::ALL,
     ];
 }
 
 /// A light, for the tiles around it.
 pub(crate) struct TileLight {
-    /// Unit vector towards it, east-north-up: its aureole.
-    pub direction: DVec3,
+    /// Unit vector towards it, east-north-up: its aureole; `None`: it has none.
+    pub direction: Option<DVec3>,
+    /// Whether it is the Moon's disc.
+    pub moon: bool,
     /// Unit vector towards its disc.
     pub disc_direction: DVec3,
     /// Radius of all that is drawn with the disc, rad.
@@ -68,7 +78,7 @@ pub(crate) struct Tiles {
     /// First and last corner in cells: x₀, y₀, x₁, y₁ a byte each, from the lowest.
     pub rectangles: [[[u32; 4]; 12]; 6],
     /// Which rectangles have each of [`Needs::SETS`].
-    pub ranges: [Range<u32>; 5],
+    pub ranges: [Range<u32>; 6],
 }
 
 /// As many as there are tiles: undivided ones always have room.
@@ -164,7 +174,7 @@ impl<'a> Around<'a> {
         for index in 0..TILES[0] * TILES[1] {
             let corner = [index % TILES[0], index / TILES[0]];
             let whole = self.needs(self.at(corner.map(|x| x as f64 + 0.5)), &of_tile);
-            let divided = division > 1 && (whole.disc || whole.horizon) && self.reach <= 1.0;
+            let divided = division > 1 && (whole.disc || whole.horizon || whole.moon) && self.reach <= 1.0;
             for inner in 0..DIVISION * DIVISION {
                 let inside = [inner % DIVISION, inner / DIVISION];
                 let cell = [0, 1].map(|i| corner[i] * DIVISION + inside[i]);
@@ -192,7 +202,7 @@ impl<'a> Around<'a> {
         let widened = reach + widened;
         // Below any cosine where the angle is all around.
         let cosine = |angle: f64| if angle > PI { -2.0 } else { angle.cos() };
-        let mut discs = [-2.0; MOST_LIGHTS];
+        let mut discs = [-2.0; MOST_DISCS];
         for (limit, light) in discs.iter_mut().zip(self.lights) {
             *limit = cosine(light.reach_rad + widened);
         }
@@ -203,15 +213,26 @@ impl<'a> Around<'a> {
     fn needs(&self, middle: Option<DVec3>, limits: &Limits) -> Needs {
         // Outside a fisheye, or so wide that nothing can be told.
         let Some(middle) = middle.filter(|_| self.reach <= 1.0) else { return Needs::ALL };
-        let mut discs = self.lights.iter().zip(limits.discs);
-        if discs.any(|(light, limit)| middle.dot(light.disc_direction) > limit) {
+        let near =
+            self.lights.iter().zip(limits.discs).filter(|(light, limit)| middle.dot(light.disc_direction) > *limit);
+        let (moons, others): (Vec<_>, Vec<_>) = near.partition(|(light, _)| light.moon);
+        if !others.is_empty() {
             return Needs::ALL;
         }
         let elevation = middle.dot(self.up).clamp(-1.0, 1.0).asin();
+        let horizon = (elevation - self.horizon).abs() <= limits.horizon;
+        if !moons.is_empty() {
+            return if horizon { Needs::ALL } else { Needs::MOON };
+        }
         Needs {
-            horizon: (elevation - self.horizon).abs() <= limits.horizon,
-            aureole: self.lights.iter().any(|light| middle.dot(light.direction) > limits.aureole),
+            horizon,
+            aureole: self
+                .lights
+                .iter()
+                .filter_map(|light| light.direction)
+                .any(|light| middle.dot(light) > limits.aureole),
             disc: false,
+            moon: false,
         }
     }
 }
@@ -220,7 +241,7 @@ impl<'a> Around<'a> {
 struct Limits {
     horizon: f64,
     aureole: f64,
-    discs: [f64; MOST_LIGHTS],
+    discs: [f64; MOST_DISCS],
 }
 
 #[cfg(test)]
@@ -256,19 +277,26 @@ mod tests {
             let view = View::looking(6.3 * random(), 3.0 * random() - 1.5, 0.05 + 2.5 * random(), 1.6);
             let direction = view.direction([2.0 * random() - 1.0, 2.0 * random() - 1.0]).unwrap();
             let up = DVec3::new(random() - 0.5, random() - 0.5, 1.0).normalize();
-            let light = TileLight { direction, disc_direction: direction, reach_rad: 0.005 };
+            let light =
+                TileLight { direction: Some(direction), moon: false, disc_direction: direction, reach_rad: 0.005 };
             let lights = [light];
             let tiles = Tiles::new(&view, up, -0.01, &lights).unwrap();
             let by = drawn(&tiles);
             assert!(by.iter().all(|by| by.len() == 1));
             // The cell with the disc, one on the horizon, one in the aureole.
             let around = Around::new(&view, up, -0.01, &lights).unwrap();
-            let point = Limits { horizon: 0.0, aureole: AUREOLE_TO.cos(), discs: [0.005f64.cos(); MOST_LIGHTS] };
+            let point = Limits { horizon: 0.0, aureole: AUREOLE_TO.cos(), discs: [0.005f64.cos(); MOST_DISCS] };
             for (index, by) in by.iter().enumerate() {
                 let place = [index % CELLS[0], index / CELLS[0]].map(|x| (x as f64 + 0.5) / DIVISION as f64);
                 let point = around.needs(around.at(place), &point);
                 let tile = by[0];
-                assert!(tile.disc || !point.disc && tile.horizon >= point.horizon && tile.aureole >= point.aureole);
+                assert!(
+                    tile.disc
+                        || !point.disc
+                            && tile.moon >= point.moon
+                            && tile.horizon >= point.horizon
+                            && tile.aureole >= point.aureole
+                );
             }
             divided += usize::from(tiles != Tiles::merged(&around.sort(1)).unwrap());
         }

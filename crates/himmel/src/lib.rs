@@ -25,6 +25,7 @@ mod error;
 mod light;
 mod light_meter;
 mod model;
+mod moon;
 mod night;
 mod observer;
 pub mod picture;
@@ -49,6 +50,7 @@ pub use himmel_gpu::{
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};
 pub use model::{SkyModel, SunPlace, direction_enu, visible_fraction};
+pub use moon::Moon;
 pub use night::NightZenith;
 pub use observer::Observer;
 pub use rays::{Seen, rays_on_gpu};

@@ -28,7 +28,10 @@ impl SunLight {
     }
 }
 
-/// A light far away: the Sun, in time the Moon.
+/// Name of the Moon among the sources.
+pub(crate) const MOON: &str = "Moon";
+
+/// A light far away: the Sun, the Moon.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LightSource {
     /// What it is.
@@ -117,9 +120,15 @@ impl Light {
         with_luminance(self.sky_colour, self.sky_illuminance_lx)
     }
 
-    /// On a level surface, from Sun and sky, lx.
+    /// On a level surface, from Sun, Moon and sky, lx.
     pub fn horizontal_illuminance_lx(&self) -> f64 {
-        self.sun.illuminance_lx * self.sun.direction_enu.z.max(0.0) + self.sky_illuminance_lx
+        let level = |source: &LightSource| source.illuminance_lx * source.direction_enu.z.max(0.0);
+        self.sources.iter().map(level).sum::<f64>() + self.sky_illuminance_lx
+    }
+
+    /// The Moon, while it shines.
+    pub fn moon(&self) -> Option<&LightSource> {
+        self.sources.iter().find(|source| source.name == MOON)
     }
 }
 

@@ -17,7 +17,8 @@ use jiff::Timestamp;
 
 use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
-use crate::light::{AmbientLight, Light, LightSource, SunLight, pure_colour};
+use crate::light::{AmbientLight, Light, LightSource, MOON, SunLight, pure_colour};
+use crate::moon::MoonCache;
 use crate::night::NightCache;
 use crate::observer::Observer;
 use crate::points::{Moving, PointCache, hiders};
@@ -57,6 +58,7 @@ pub struct SkyModel {
     ephemeris: Box<dyn Ephemeris + Send + Sync>,
     /// The bent sky of the altitude that was last asked for.
     bending: Mutex<Option<(f64, Arc<Bending>)>>,
+    moon: MoonCache,
     night: NightCache,
     points: PointCache,
 }
@@ -108,6 +110,7 @@ impl SkyModel {
             ephemeris,
             bending,
             points: PointCache::default(),
+            moon: MoonCache::default(),
             night: NightCache::default(),
         })
     }
@@ -139,6 +142,10 @@ impl SkyModel {
 
     pub(crate) fn ephemeris(&self) -> &dyn Ephemeris {
         self.ephemeris.as_ref()
+    }
+
+    pub(crate) fn moon_cache(&self) -> &MoonCache {
+        &self.moon
     }
 
     pub(crate) fn night_cache(&self) -> &NightCache {
@@ -202,6 +209,7 @@ impl SkyModel {
         if air_changed || preset_changed {
             self.atmosphere = self.atmosphere.edited(&self.preset, &self.scene.air, &self.scene.ground);
             self.bending = Mutex::new(None);
+            self.moon.forget_air();
         }
         Ok(air_changed || preset_changed)
     }
@@ -316,16 +324,30 @@ impl SkyModel {
         let visible = shadow.as_ref().map_or([1.0; 4], |shadow| shadow.fraction(DVec3::ZERO, &limb));
         let ambient = air.scene_light().at(&air.sampled(), air.columns(), self.altitude_m(), star, eclipse);
         let luminous = |relative: [f64; 4]| air.xyz(relative.map(|value| value * irradiance)).y.max(0.0);
-        let twilight_cd_m2 = luminous(ambient.zenith_per_sr);
+        let moon = self.moon()?;
+        // Moonlight in the air and on the ground, where it matters beside the Sun's.
+        let by_moon = match &moon {
+            Some(moon) if self.moon_as_light(moon)?.is_some() => {
+                let direction = moon.state.direction;
+                let ambient = air.scene_light().at(&air.sampled(), air.columns(), self.altitude_m(), direction, None);
+                ambient.times(moon.irradiance)
+            }
+            _ => Ambient::default(),
+        };
+        let twilight_cd_m2 = luminous(ambient.zenith_per_sr) + air.xyz(by_moon.zenith_per_sr).y.max(0.0);
         let night = self.night()?;
         let night_zenith = night.as_ref().map(|night| self.night_zenith(night, twilight_cd_m2));
         let glow = match &night {
             Some(night) => Ambient::gathered(|add| night.all_around(air, self.altitude_m(), add)),
             None => Ambient::default(),
         };
-        let sum = |sun: [f64; 4], glow: [f64; 4]| std::array::from_fn(|k| sun[k] * irradiance + glow[k]);
-        let [down, up] = [sum(ambient.down, glow.down), sum(ambient.up, glow.up)];
-        let harmonics: [[f64; 4]; 9] = std::array::from_fn(|i| sum(ambient.harmonics[i], glow.harmonics[i]));
+        let sum = |sun: [f64; 4], moon: [f64; 4], glow: [f64; 4]| {
+            std::array::from_fn(|k| sun[k] * irradiance + moon[k] + glow[k])
+        };
+        let down = sum(ambient.down, by_moon.down, glow.down);
+        let up = sum(ambient.up, by_moon.up, glow.up);
+        let harmonics: [[f64; 4]; 9] =
+            std::array::from_fn(|i| sum(ambient.harmonics[i], by_moon.harmonics[i], glow.harmonics[i]));
         let direct = SunLight {
             direction_enu: direction_enu(sun.azimuth_deg, sun.altitude_deg),
             azimuth_deg: sun.azimuth_deg,
@@ -333,13 +355,23 @@ impl SkyModel {
             colour: pure_colour(rec709),
             illuminance_lx: xyz.y.max(0.0),
         };
+        let mut sources = vec![LightSource {
+            name: self.preset.stars.first().map_or_else(|| "Sun".into(), |star| star.name.clone()),
+            direction_enu: direct.direction_enu,
+            colour: direct.colour,
+            illuminance_lx: direct.illuminance_lx,
+        }];
+        sources.extend(moon.map(|moon| {
+            let beam = self.moon_beam(&moon);
+            LightSource {
+                name: MOON.into(),
+                direction_enu: moon.state.disc_direction,
+                colour: pure_colour(air.rec709(beam)),
+                illuminance_lx: air.xyz(beam).y.max(0.0),
+            }
+        }));
         Ok(Light {
-            sources: vec![LightSource {
-                name: self.preset.stars.first().map_or_else(|| "Sun".into(), |star| star.name.clone()),
-                direction_enu: direct.direction_enu,
-                colour: direct.colour,
-                illuminance_lx: direct.illuminance_lx,
-            }],
+            sources,
             sun: direct,
             sky_illuminance_lx: air.xyz(down).y.max(0.0),
             sky_colour: pure_colour(air.rec709(down)),
@@ -367,7 +399,7 @@ impl SkyModel {
     }
 
     /// Altitude of the geometric horizon, degrees (zero or negative).
-    fn horizon_deg(&self) -> f64 {
+    pub(crate) fn horizon_deg(&self) -> f64 {
         himmel_air::geometry::horizon_cosine(self.atmosphere.medium().bottom_radius_m, self.altitude_m())
             .asin()
             .to_degrees()
@@ -420,19 +452,22 @@ impl SkyModel {
 
     /// What the renderer needs for a frame.
     pub fn frame(&self) -> Result<FrameState> {
+        let moon = self.moon()?;
+        let moonlight = moon.as_ref().map(|moon| self.moon_as_light(moon)).transpose()?.flatten();
         let (instant, place) = self.standing()?;
         let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
         let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &self.points, &observer)?;
         Ok(FrameState {
             sun: self.sun_state()?,
-            other_suns: Vec::new(),
+            other_suns: moonlight.into_iter().collect(),
             occluder: self.occluder()?,
             shadow: self.shadow()?,
             bending: self.bending(),
             stars: self.points.field(&self.scene, &observer, self.clock.unix_seconds(), self.darkest_sky_cd_m2()?),
             bodies: moving.points,
             planets: moving.discs,
-            hiders: hiders(&observer)?,
+            hiders: hiders(&observer, moon.as_ref())?,
+            moon: moon.and_then(|moon| self.moon_as_disc(moon)),
             night: self.night()?,
             overlay: self.points.overlay(&self.scene, &observer),
             altitude_m: self.altitude_m(),
@@ -450,7 +485,8 @@ impl SkyModel {
         let nu = direction.dot(sun.direction).clamp(-1.0, 1.0);
         let ray = Ray { altitude_m, mu: direction.z, mu_s: sun.direction.z, nu };
         let mut four = self.atmosphere.radiance(&ray, TWIN_STEPS);
-        if settings.disc && direction.z.asin().to_degrees() > self.horizon_deg() {
+        let above = direction.z.asin().to_degrees() > self.horizon_deg();
+        if settings.disc && above {
             let occluder = self.occluder()?;
             let disc = Disc {
                 centre: sun.direction,
@@ -465,9 +501,26 @@ impl SkyModel {
                 four[k] += through[k] * light[k];
             }
         }
-        let glow = self.night()?.map(|night| night.parts(&self.atmosphere, altitude_m, direction, 0).sum());
-        let glow = glow.unwrap_or_default();
-        Ok(self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k] + glow[k])))
+        let mut sum: [f64; 4] = std::array::from_fn(|k| four[k] * sun.irradiance[k]);
+        let mut add = |factor: [f64; 4], light: [f64; 4]| {
+            for k in 0..4 {
+                sum[k] += factor[k] * light[k];
+            }
+        };
+        let moon = self.moon()?;
+        if let Some(light) = moon.as_ref().map(|moon| self.moon_as_light(moon)).transpose()?.flatten() {
+            let nu = direction.dot(light.direction).clamp(-1.0, 1.0);
+            let ray = Ray { altitude_m, mu: direction.z, mu_s: light.direction.z, nu };
+            add(light.irradiance, self.atmosphere.radiance(&ray, TWIN_STEPS));
+        }
+        let disc = moon.filter(|_| above).and_then(|moon| self.moon_as_disc(moon));
+        if let Some(light) = disc.and_then(|moon| moon.radiance(direction, &self.bending())) {
+            add(self.atmosphere.sun_transmittance(altitude_m, direction.z), light);
+        }
+        if let Some(night) = self.night()? {
+            add([1.0; 4], night.parts(&self.atmosphere, altitude_m, direction, 0).sum());
+        }
+        Ok(self.atmosphere.rec709(sum))
     }
 
     /// Azimuth and altitude that `camera.look` means, degrees.
@@ -481,6 +534,12 @@ impl SkyModel {
         let Ok(target) = Target::parse(name) else {
             return Err(error);
         };
+        // The Moon may have been put by hand.
+        if target == Target::Body(Body::Moon)
+            && let Some(moon) = self.moon()?
+        {
+            return Ok((moon.azimuth_deg, moon.altitude_deg));
+        }
         let instant = Instant::from_unix_seconds(self.clock.unix_seconds())?;
         let place = Place::from_degrees(self.observer.latitude_deg, self.observer.longitude_deg, self.altitude_m())?;
         let seen = target.apparent(&himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?)?;

@@ -19,6 +19,7 @@ use himmel_gpu::{
 };
 
 use crate::error::Result;
+use crate::moon::Moon;
 use crate::scene::Scene;
 
 /// What a list was made of.
@@ -218,14 +219,11 @@ fn point(star: &Star, thesis: bool) -> StarPoint {
 }
 
 /// Sun and Moon as they stand before the stars.
-pub(crate) fn hiders(observer: &Observer<'_>) -> Result<Vec<Hider>> {
-    [Body::Sun, Body::Moon]
-        .into_iter()
-        .map(|body| {
-            let seen = observer.apparent(body)?;
-            Ok(Hider { direction: seen.direction_enu, radius_rad: seen.semidiameter_rad() })
-        })
-        .collect()
+pub(crate) fn hiders(observer: &Observer<'_>, moon: Option<&Moon>) -> Result<Vec<Hider>> {
+    let sun = observer.apparent(Body::Sun)?;
+    let sun = Hider { direction: sun.direction_enu, radius_rad: sun.semidiameter_rad() };
+    let moon = moon.map(|moon| Hider { direction: moon.state.direction, radius_rad: moon.state.radius_rad });
+    Ok([sun].into_iter().chain(moon).collect())
 }
 
 /// B − V of the planets [allen1973], and of the Sun [ramirez2012].

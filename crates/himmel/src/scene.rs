@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 use himmel_air::{AirParams, GroundParams, Preset, SunParams};
 use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten};
 use himmel_core::{choices, params};
+use himmel_gpu::phenomena::moon::MoonParams;
 use himmel_gpu::phenomena::night_glow::NightSettings;
 use himmel_gpu::{OutputParams, OverlayParams, PlanetsParams, StarsParams};
 use toml::de::{DeTable, DeValue};
@@ -93,6 +94,8 @@ pub struct Scene {
     pub camera: CameraParams,
     /// `[light.sun]`
     pub sun: SunParams,
+    /// `[body.moon]`
+    pub moon: MoonParams,
     /// `[air]`
     pub air: AirParams,
     /// `[ground]`
@@ -119,6 +122,7 @@ impl Default for Scene {
             clock: ClockParams::default(),
             camera: CameraParams::default(),
             sun: SunParams::default(),
+            moon: MoonParams::default(),
             air: AirParams::default(),
             ground: GroundParams::default(),
             stars: StarsParams::default(),
@@ -133,12 +137,13 @@ impl Default for Scene {
 
 impl Scene {
     /// Every table of parameters, in the order of the file.
-    pub fn tables(&self) -> [&dyn Params; 14] {
+    pub fn tables(&self) -> [&dyn Params; 15] {
         [
             &self.observer,
             &self.clock,
             &self.camera,
             &self.sun,
+            &self.moon,
             &self.air,
             &self.ground,
             &self.stars,
@@ -152,12 +157,13 @@ impl Scene {
         ]
     }
 
-    fn tables_mut(&mut self) -> [&mut dyn Params; 14] {
+    fn tables_mut(&mut self) -> [&mut dyn Params; 15] {
         [
             &mut self.observer,
             &mut self.clock,
             &mut self.camera,
             &mut self.sun,
+            &mut self.moon,
             &mut self.air,
             &mut self.ground,
             &mut self.stars,

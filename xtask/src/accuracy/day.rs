@@ -3,9 +3,7 @@
 use std::fmt::Write as _;
 use std::path::Path;
 
-use himmel::parts::air::Atmosphere;
-use himmel::parts::astro::{Body, Ephemeris, Instant, Observer, Place, Precise};
-use himmel::parts::gpu::{FrameState, SunState};
+use himmel::parts::gpu::FrameState;
 use himmel::{Gpu, Output, Picture, Pixels, Projection, Scene, SkyModel, Still, View, picture};
 use plotters::prelude::*;
 
@@ -16,11 +14,13 @@ const PLACE: &str = "23.2494,-106.4111,10";
 const START: i64 = 1_647_541_800; // 2022-03-17T18:30Z, shortly before noon.
 const FRAMES: i64 = 96;
 const STEP_S: i64 = 900;
-/// Illuminance of a star of V = 0, lx, and of the full Moon above the air.
-const ZERO_POINT_LX: f64 = 2.54e-6;
+/// Illuminance of the full Moon above the air.
 const FULL_MOON_LX: f64 = 0.32;
 /// Below this our air alone says nothing: a natural night has 6e-4 lx.
 const NIGHT_LX: f64 = 3e-5;
+
+/// Clear air; air whose daylight is the published one's; thick haze.
+const PRESETS: [&str; 3] = ["earth", "earth-klupiec", "earth-haze"];
 
 /// Light at one instant.
 struct Frame {
@@ -31,31 +31,13 @@ struct Frame {
     moon_above_lx: f64,
     sun_lx: f64,
     moon_lx: f64,
+    /// From both and from the night's glow, lx.
+    all_lx: f64,
     zenith_cd_m2: f64,
 }
 
 /// A value of a frame, where it has one.
 type Quantity = dyn Fn(&Frame) -> Option<f64>;
-
-/// The Moon as a light: its direction, altitude and illuminance above the air. By Allen's law with the opposition surge.
-fn moon(ephemeris: &dyn Ephemeris, model: &SkyModel) -> Result<(glam::DVec3, f64, f64), String> {
-    let failed = |error: himmel::parts::astro::AstroError| error.to_string();
-    let instant = Instant::from_unix_seconds(model.clock().unix_seconds()).map_err(failed)?;
-    let observer = model.observer();
-    let place = Place::from_degrees(observer.latitude_deg, observer.longitude_deg, 10.0).map_err(failed)?;
-    let observer = Observer::new(ephemeris, &instant, &place).map_err(failed)?;
-    let seen = observer.apparent(Body::Moon).map_err(failed)?;
-    let magnitude = observer.appearance(Body::Moon, &seen).map_err(failed)?.magnitude;
-    Ok((seen.direction_enu, seen.altitude_rad.to_degrees(), ZERO_POINT_LX * 10f64.powf(-0.4 * magnitude)))
-}
-
-/// What a light of the Sun's colour brings through the air: on a level surface, lx, and from the zenith, cd m⁻².
-fn through_air(air: &Atmosphere, altitude_m: f64, direction: glam::DVec3, above_lx: f64) -> (f64, f64) {
-    let share = above_lx / air.xyz([1.0; 4]).y;
-    let ambient = air.scene_light().at(&air.sampled(), air.columns(), altitude_m, direction, None);
-    let direct = air.xyz(air.sun_transmittance(altitude_m, direction.z)).y * direction.z.max(0.0);
-    (share * (direct + air.xyz(ambient.down).y), share * air.xyz(ambient.zenith_per_sr).y)
-}
 
 /// lg of the horizontal illuminance of a clear sky, lx: cubics in altitude / 90° [seidelmann1992, table 1.84].
 fn published(altitude_deg: f64, moon: bool) -> Option<f64> {
@@ -75,78 +57,90 @@ fn published(altitude_deg: f64, moon: bool) -> Option<f64> {
     Some(c[0] + x * (c[1] + x * (c[2] + x * c[3])))
 }
 
-fn model_at(index: i64) -> Result<SkyModel, String> {
-    let mut scene = Scene::default();
-    let time = jiff::Timestamp::from_second(START + index * STEP_S);
-    let time = time.map_err(|error| error.to_string())?.to_string();
-    for (key, value) in [("observer.place", PLACE), ("clock.time", &time), ("output.tonemap", "eye")] {
+fn model_at(preset: &str, moon: bool) -> Result<SkyModel, String> {
+    let mut scene = Scene { preset: preset.into(), ..Scene::default() };
+    let time = jiff::Timestamp::from_second(START).map_err(|error| error.to_string())?.to_string();
+    let moon = if moon { "on" } else { "off" };
+    let settings =
+        [("observer.place", PLACE), ("clock.time", &time), ("output.tonemap", "eye"), ("body.moon.enabled", moon)];
+    for (key, value) in settings {
         scene.set(key, value).map_err(|error| error.to_string())?;
     }
     SkyModel::new(&scene).map_err(|error| error.to_string())
 }
 
 /// All frames.
-fn day(work: Work) -> Result<Vec<Frame>, String> {
-    let ephemeris = Precise::embedded().map_err(|error| error.to_string())?;
-    let mut model = model_at(0)?;
+fn day(preset: &str, work: Work) -> Result<Vec<Frame>, String> {
+    let (mut dark, mut moonlit) = (model_at(preset, false)?, model_at(preset, true)?);
     let mut frames = Vec::new();
     for index in (0..=FRAMES).step_by(if work.quick { 4 } else { 1 }) {
         let failed = |error: himmel::Error| error.to_string();
-        let now = jiff::Timestamp::from_second(START + index * STEP_S);
-        model.clock_mut().set(now.map_err(|error| error.to_string())?);
-        let light = model.light().map_err(failed)?;
-        let (direction, moon_deg, moon_above_lx) = moon(&ephemeris, &model)?;
-        let (moon_lx, moon_zenith) = through_air(model.atmosphere(), model.altitude_m(), direction, moon_above_lx);
+        let now = jiff::Timestamp::from_second(START + index * STEP_S).map_err(|error| error.to_string())?;
+        dark.clock_mut().set(now);
+        moonlit.clock_mut().set(now);
+        let [without, with] = [dark.light().map_err(failed)?, moonlit.light().map_err(failed)?];
+        let moon = moonlit.moon().map_err(failed)?.ok_or("the Moon is missing")?;
         frames.push(Frame {
             hours: (index * STEP_S) as f64 / 3600.0,
-            sun_deg: model.sun().map_err(failed)?.airless_altitude_deg,
-            moon_deg,
-            moon_above_lx,
-            sun_lx: light.horizontal_illuminance_lx(),
-            moon_lx,
-            zenith_cd_m2: light.zenith_luminance_cd_m2 + moon_zenith,
+            sun_deg: dark.sun().map_err(failed)?.airless_altitude_deg,
+            moon_deg: moon.airless_altitude_deg,
+            moon_above_lx: moon.illuminance_lx,
+            sun_lx: without.horizontal_illuminance_lx(),
+            moon_lx: with.horizontal_illuminance_lx() - without.horizontal_illuminance_lx(),
+            all_lx: with.horizontal_illuminance_lx(),
+            zenith_cd_m2: with.zenith_luminance_cd_m2,
         });
     }
     Ok(frames)
 }
 
-/// The table; the plot and the sheet of pictures go beside the output file.
+/// The table; the plot goes beside the output file.
 pub fn table(work: Work, folder: Option<&Path>) -> Result<String, String> {
-    let frames = day(work)?;
     let mut text = String::from(
-        "| Sun or Moon | frames | largest \\|difference\\| | mean difference | must |\n|---|---|---|---|---|\n",
+        "| preset | Sun or Moon | frames | largest \\|difference\\| | mean difference | must |\n|---|---|---|---|---|---|\n",
     );
-    let mut row = |name: &str, must: &str, differences: Vec<f64>| {
-        let count = differences.len();
-        let worst = differences.iter().fold(0.0, |worst: f64, d| worst.max(d.abs()));
-        let mean = differences.iter().sum::<f64>() / (count as f64).max(1.0);
-        let _ = writeln!(text, "| {name} | {count} | {worst:.3} dex | {mean:+.3} dex | {must} |");
-    };
-    let sun = |from: f64, to: f64| -> Vec<f64> {
-        let within = frames.iter().filter(|f| (from..to).contains(&f.sun_deg));
-        within.filter_map(|f| Some(f.sun_lx.log10() - published(f.sun_deg, false)?)).collect()
-    };
-    row("Sun above 5°", "0.15", sun(5.0, 90.0));
-    row("Sun from −6° to 5°", "0.3", sun(-6.0, 5.0));
-    row("Sun from −12° to −6°", "0.4", sun(-12.0, -6.0));
-    let lunar = frames.iter().filter(|f| f.moon_deg > 5.0 && f.sun_deg < -12.0);
-    row(
-        "full Moon above 5°, brought to 0.32 lx above the air",
-        "0.15",
-        lunar
-            .filter_map(|f| Some((f.moon_lx * FULL_MOON_LX / f.moon_above_lx).log10() - published(f.moon_deg, true)?))
-            .collect(),
-    );
-    let brightest = frames.iter().filter(|f| f.sun_deg < -18.0).map(|f| f.moon_above_lx).fold(0.0, f64::max);
-    let _ = writeln!(text, "\nThe Moon has {brightest:.3} lx above the air at its best that night.");
-    if let Some(folder) = folder {
-        std::fs::write(folder.join("day.svg"), plot(&frames)?).map_err(|error| error.to_string())?;
-        let _ = writeln!(text, "\n![illuminance, zenith luminance and differences](day.svg)");
+    let mut last = String::new();
+    for preset in PRESETS {
+        let frames = day(preset, work)?;
+        let mut row = |name: &str, must: &str, differences: Vec<f64>| {
+            let count = differences.len();
+            let worst = differences.iter().fold(0.0, |worst: f64, d| worst.max(d.abs()));
+            let mean = differences.iter().sum::<f64>() / (count as f64).max(1.0);
+            let _ = writeln!(text, "| {preset} | {name} | {count} | {worst:.3} dex | {mean:+.3} dex | {must} |");
+        };
+        let sun = |from: f64, to: f64| -> Vec<f64> {
+            let within = frames.iter().filter(|f| (from..to).contains(&f.sun_deg));
+            within.filter_map(|f| Some(f.sun_lx.log10() - published(f.sun_deg, false)?)).collect()
+        };
+        row("Sun above 5°", "0.15", sun(5.0, 90.0));
+        row("Sun from −6° to 5°", "0.3", sun(-6.0, 5.0));
+        row("Sun from −12° to −6°", "0.4", sun(-12.0, -6.0));
+        let lunar = frames.iter().filter(|f| f.moon_deg > 5.0 && f.sun_deg < -12.0);
+        let lunar = lunar
+            .filter_map(|f| Some((f.moon_lx * FULL_MOON_LX / f.moon_above_lx).log10() - published(f.moon_deg, true)?));
+        row("full Moon above 5°, brought to 0.32 lx above the air", "0.15", lunar.collect());
+        let step = |value: fn(&Frame) -> f64| {
+            let pairs = frames.windows(2).filter(|pair| pair[0].sun_deg.max(pair[1].sun_deg) < -18.0);
+            pairs.map(|pair| (value(&pair[1]) / value(&pair[0])).log10().abs()).fold(0.0, f64::max)
+        };
+        let brightest = frames.iter().filter(|f| f.sun_deg < -18.0).map(|f| f.moon_above_lx).fold(0.0, f64::max);
+        let _ = writeln!(
+            last,
+            "\n`{preset}`: the Moon has {brightest:.3} lx above the air at its best; between neighbouring frames of the night \
+             the light on level ground changes by at most {:.3} dex, the zenith by {:.3}.",
+            step(|f| f.all_lx),
+            step(|f| f.zenith_cd_m2)
+        );
+        if let Some(folder) = folder {
+            let name = if preset == PRESETS[0] { "day.svg".into() } else { format!("day-{preset}.svg") };
+            std::fs::write(folder.join(&name), plot(preset, &frames)?).map_err(|error| error.to_string())?;
+            let _ = writeln!(last, "\n![illuminance, zenith luminance and differences, {preset}]({name})");
+        }
     }
-    Ok(text)
+    Ok(text + &last)
 }
 
-fn plot(frames: &[Frame]) -> Result<String, String> {
+fn plot(preset: &str, frames: &[Frame]) -> Result<String, String> {
     fn failed(error: impl std::fmt::Display) -> String {
         error.to_string()
     }
@@ -158,7 +152,7 @@ fn plot(frames: &[Frame]) -> Result<String, String> {
         root.fill(&WHITE).map_err(failed)?;
         let (upper, lower) = root.split_vertically(500);
         let mut chart = ChartBuilder::on(&upper)
-            .caption("A day and a night of full Moon, Mazatlán, 2022-03-17", ("sans-serif", 20))
+            .caption(format!("A day and a night of full Moon, Mazatlán, 2022-03-17, {preset}"), ("sans-serif", 20))
             .margin(12)
             .x_label_area_size(40)
             .y_label_area_size(80)
@@ -245,20 +239,8 @@ fn plot(frames: &[Frame]) -> Result<String, String> {
     Ok(text)
 }
 
-/// The Moon as a second sun, until it has a disc of its own: a disc of its size and illuminance, of the Sun's colour.
-fn moonlit(model: &SkyModel, ephemeris: &dyn Ephemeris) -> Result<FrameState, String> {
-    let mut frame = model.frame().map_err(|error| error.to_string())?;
-    let (direction, _, above_lx) = moon(ephemeris, model)?;
-    let share = above_lx / model.atmosphere().xyz([1.0; 4]).y;
-    frame.other_suns.push(SunState {
-        direction,
-        disc_direction: direction,
-        radius_rad: 0.0045,
-        irradiance: [share; 4],
-        disc: true,
-        limb_darkening: false,
-    });
-    Ok(frame)
+fn frame_of(model: &SkyModel) -> Result<FrameState, String> {
+    model.frame().map_err(|error| error.to_string())
 }
 
 /// Pictures: 24 frames of the day as fisheyes, each at its own exposure, as an eye sees them; and a night with and without
@@ -268,7 +250,6 @@ pub fn pictures(folder: &Path) -> Result<String, String> {
     const SIDE: u32 = 220;
     let failed = |error: &dyn std::fmt::Display| error.to_string();
     let gpu = Gpu::open(None).map_err(|error| failed(&error))?;
-    let ephemeris = Precise::embedded().map_err(|error| failed(&error))?;
     let mut text = String::from("| hours | Sun | EV100 | mean of the picture, 0–255 |\n|---|---|---|---|\n");
     let view = View::with_projection(
         std::f64::consts::PI,
@@ -276,7 +257,7 @@ pub fn pictures(folder: &Path) -> Result<String, String> {
         Projection::Fisheye(std::f64::consts::PI),
         1.0,
     );
-    let first = model_at(0)?;
+    let first = model_at("earth", true)?;
     let mut still = Still::new(&gpu, Output::Display, first.atmosphere()).map_err(|error| failed(&error))?;
     let mut draw = |frame: &FrameState, view: &View, size: (u32, u32)| {
         still.render(frame, view, size.0, size.1, &mut |_| true).map_err(|error| failed(&error))
@@ -286,7 +267,7 @@ pub fn pictures(folder: &Path) -> Result<String, String> {
     for index in 0..24 {
         let now = jiff::Timestamp::from_second(START + 4 * index * STEP_S);
         model.clock_mut().set(now.map_err(|error| failed(&error))?);
-        let shown = draw(&moonlit(&model, &ephemeris)?, &view, (SIDE, SIDE))?;
+        let shown = draw(&frame_of(&model)?, &view, (SIDE, SIDE))?;
         let mean = sheet.add(&shown);
         let sun_deg = model.sun().map_err(|error| failed(&error))?.airless_altitude_deg;
         let _ = writeln!(text, "| {index} | {sun_deg:.1}° | {:.2} | {mean:.0} |", shown.ev100);
@@ -296,14 +277,16 @@ pub fn pictures(folder: &Path) -> Result<String, String> {
     let mut sheet = Sheet::new(3, 2, (480, 270));
     let now = jiff::Timestamp::from_second(START + 48 * STEP_S);
     model.clock_mut().set(now.map_err(|error| failed(&error))?);
+    let mut moonless = model_at("earth", false)?;
+    moonless.clock_mut().set(model.clock().now());
     let view = View::looking(2.6, 0.35, 1.2, 16.0 / 9.0);
     for tonemap in [himmel::Tonemap::AgxPunchy, himmel::Tonemap::Eye, himmel::Tonemap::EyeBlue] {
-        let mut frame = moonlit(&model, &ephemeris)?;
+        let mut frame = frame_of(&model)?;
         frame.output.tonemap = tonemap;
         sheet.add(&draw(&frame, &view, (480, 270))?);
     }
     for tonemap in [himmel::Tonemap::AgxPunchy, himmel::Tonemap::Eye, himmel::Tonemap::EyeBlue] {
-        let mut frame = model.frame().map_err(|error| failed(&error))?;
+        let mut frame = frame_of(&moonless)?;
         frame.output.tonemap = tonemap;
         sheet.add(&draw(&frame, &view, (480, 270))?);
     }

@@ -13,7 +13,8 @@ use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
 use sheets::{SHEETS, Sheet};
 
 pub const USAGE: &str = "cargo xtask pictures [NAME…] [--output FOLDER] [--kept FOLDER] [--noise PERCENT]
-    names: strip, orbit, mars-noon, mars-sunset, titan, titan-reference, haze, eclipse; all of them without a name
+    names: strip, orbit, mars-noon, mars-sunset, titan, titan-reference, haze, eclipse, moon, moon-2010,
+           moon-2022, moon-2023; all of them without a name
     --output  where the JPEGs go (docs/images)
     --kept    where the tracer's samples are kept (target/pictures): a run that was stopped goes on where it was
     --noise   trace until half of the pixels have this standard error (6), or 1,024 paths";
@@ -104,11 +105,23 @@ fn draw(sheet: &Sheet, gpu: &Gpu, kept: &Path, noise: f64) -> Result<RgbImage, S
     Ok(picture)
 }
 
+/// Nothing shines but the Sun.
+const NO_NIGHT: [(&str, &str); 6] = [
+    ("body.moon.enabled", "off"),
+    ("night.stars.enabled", "off"),
+    ("night.planets.enabled", "off"),
+    ("night.airglow.enabled", "off"),
+    ("night.zodiacal.enabled", "off"),
+    ("night.milky_way.enabled", "off"),
+];
+
 fn model(sheet: &Sheet, settings: &[(&str, &str)], smaller: u32) -> Result<SkyModel, String> {
     let [width, height] = sheet.size.map(|side| (side / smaller).to_string());
     let size = [("output.width_px", width.as_str()), ("output.height_px", height.as_str())];
     let mut scene = Scene { preset: sheet.preset.into(), ..Scene::default() };
-    for (key, value) in sheet.common.iter().chain(settings).chain(&size) {
+    // The tracer knows the air and the Sun alone.
+    let dark = sheet.traced.map_or(&[][..], |_| &NO_NIGHT);
+    for (key, value) in sheet.common.iter().chain(settings).chain(&size).chain(dark) {
         scene.set(key, value).map_err(|error| error.to_string())?;
     }
     SkyModel::new(&scene).map_err(|error| error.to_string())

@@ -18,10 +18,17 @@ pub struct Sheet {
     pub tiles: &'static [(&'static str, Settings)],
 }
 
+/// A tile at a time and at an exposure.
+macro_rules! at {
+    ($time:literal, $ev:literal) => {
+        ($time, &[("clock.time", $time), ("output.exposure", $ev)])
+    };
+}
+
 /// One tile, without settings of its own.
 const ONE: &[(&str, Settings)] = &[("", &[])];
 
-pub const SHEETS: [Sheet; 8] = [
+pub const SHEETS: [Sheet; 12] = [
     // Horizon at the lower sixth, the sky up to 75°: the Sun of the first column is in it.
     Sheet {
         name: "strip",
@@ -139,6 +146,98 @@ pub const SHEETS: [Sheet; 8] = [
         tiles: &[
             ("sky", &[("camera.look", "180,25"), ("camera.fov_deg", "110")]),
             ("corona", &[("camera.look", "sun"), ("camera.fov_deg", "6"), ("output.exposure", "6")]),
+        ],
+    },
+    // Full near the horizon, in partial eclipse, and a thin crescent in twilight.
+    Sheet {
+        name: "moon",
+        preset: "earth",
+        size: [320, 320],
+        traced: None,
+        common: &[("observer.place", "Potsdam"), ("camera.look", "moon"), ("camera.fov_deg", "0.8")],
+        tiles: &[
+            at!("2024-04-23T22:30Z", "11"),
+            at!("2023-10-28T20:14Z", "12"),
+            ("2024-04-10T18:50Z", &[("clock.time", "2024-04-10T18:50Z")]),
+        ],
+    },
+    // Total from 07:41 to 08:53.
+    Sheet {
+        name: "moon-2010",
+        preset: "earth",
+        size: [104, 104],
+        traced: None,
+        common: &[("observer.place", "New York"), ("camera.look", "moon"), ("camera.fov_deg", "0.62")],
+        tiles: &[
+            at!("2010-12-21T06:15Z", "12"),
+            at!("2010-12-21T06:30Z", "12"),
+            at!("2010-12-21T06:45Z", "12"),
+            at!("2010-12-21T07:00Z", "12"),
+            at!("2010-12-21T07:15Z", "12"),
+            at!("2010-12-21T07:30Z", "12"),
+            at!("2010-12-21T07:45Z", "0"),
+            at!("2010-12-21T08:00Z", "0"),
+            at!("2010-12-21T08:15Z", "0"),
+            at!("2010-12-21T08:30Z", "0"),
+            at!("2010-12-21T08:45Z", "0"),
+            at!("2010-12-21T09:00Z", "12"),
+            at!("2010-12-21T09:15Z", "12"),
+            at!("2010-12-21T09:30Z", "12"),
+            at!("2010-12-21T09:45Z", "12"),
+            at!("2010-12-21T10:00Z", "12"),
+            at!("2010-12-21T10:15Z", "12"),
+        ],
+    },
+    // Total from 03:29 to 04:54.
+    Sheet {
+        name: "moon-2022",
+        preset: "earth",
+        size: [104, 104],
+        traced: None,
+        common: &[("observer.place", "New York"), ("camera.look", "moon"), ("camera.fov_deg", "0.62")],
+        tiles: &[
+            at!("2022-05-16T02:15Z", "12"),
+            at!("2022-05-16T02:30Z", "12"),
+            at!("2022-05-16T02:45Z", "12"),
+            at!("2022-05-16T03:00Z", "12"),
+            at!("2022-05-16T03:15Z", "12"),
+            at!("2022-05-16T03:30Z", "0"),
+            at!("2022-05-16T03:45Z", "0"),
+            at!("2022-05-16T04:00Z", "0"),
+            at!("2022-05-16T04:15Z", "0"),
+            at!("2022-05-16T04:30Z", "0"),
+            at!("2022-05-16T04:45Z", "0"),
+            at!("2022-05-16T05:00Z", "12"),
+            at!("2022-05-16T05:15Z", "12"),
+            at!("2022-05-16T05:30Z", "12"),
+            at!("2022-05-16T05:45Z", "12"),
+        ],
+    },
+    // The penumbra alone.
+    Sheet {
+        name: "moon-2023",
+        preset: "earth",
+        size: [104, 104],
+        traced: None,
+        common: &[("observer.place", "-31.95,115.86"), ("camera.look", "moon"), ("camera.fov_deg", "0.62")],
+        tiles: &[
+            at!("2023-05-05T15:15Z", "12"),
+            at!("2023-05-05T15:30Z", "12"),
+            at!("2023-05-05T15:45Z", "12"),
+            at!("2023-05-05T16:00Z", "12"),
+            at!("2023-05-05T16:15Z", "12"),
+            at!("2023-05-05T16:30Z", "12"),
+            at!("2023-05-05T16:45Z", "12"),
+            at!("2023-05-05T17:00Z", "12"),
+            at!("2023-05-05T17:15Z", "12"),
+            at!("2023-05-05T17:30Z", "12"),
+            at!("2023-05-05T17:45Z", "12"),
+            at!("2023-05-05T18:00Z", "12"),
+            at!("2023-05-05T18:15Z", "12"),
+            at!("2023-05-05T18:30Z", "12"),
+            at!("2023-05-05T18:45Z", "12"),
+            at!("2023-05-05T19:00Z", "12"),
+            at!("2023-05-05T19:15Z", "12"),
         ],
     },
 ];

@@ -16,7 +16,7 @@ use crate::{Failure, out, print_bytes};
   himmel light --set light.sun.altitude_deg=-4 --samples 200000 --json
   himmel light --place Potsdam --from 2012-09-06T19:00 --to 2012-09-06T21:00 --step 10m --solver moments -o dusk.csv
 
-first:      light scattered once, as the pictures have it so far; too dark, most so in twilight.
+first:      light scattered once; too dark, most so in twilight.
 moments:    all orders by the table of moments; half a minute for the table, then any number of times; no noise.
 reference:  all orders by the Monte Carlo tracer at sixteen wavelengths, with standard errors.
 
@@ -251,6 +251,20 @@ fn object(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<serde_
     object.insert("ambient".into(), ambient);
     object.insert("ground_illuminance_lx".into(), scene.ground_illuminance_lx.into());
     object.insert("eclipse_fraction".into(), scene.eclipse_fraction.into());
+    if let Some(moon) = model.moon()? {
+        let direct = scene.moon().map_or(0.0, |moon| moon.illuminance_lx);
+        let moon = serde_json::json!({
+            "azimuth_deg": moon.azimuth_deg,
+            "altitude_deg": moon.altitude_deg,
+            "airless_altitude_deg": moon.airless_altitude_deg,
+            "phase_angle_deg": moon.phase_angle_deg,
+            "illuminated_fraction": moon.illuminated_fraction,
+            "illuminance_above_air_lx": moon.illuminance_lx,
+            "normal_illuminance_lx": direct,
+            "eclipse_fraction": moon.eclipse_fraction,
+        });
+        object.insert("moon".into(), moon);
+    }
     let night = scene.night.map(|night| {
         serde_json::json!({
             "zenith_cd_m2": night.sum_cd_m2(),
@@ -303,6 +317,23 @@ fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<(), Fai
     out!("  together   {} lx{}", digits(total.value), error(total));
     out!("zenith       {} cd/m²{}", digits(light.zenith_cd_m2.value), error(light.zenith_cd_m2));
     let scene = model.light()?;
+    if let Some(moon) = model.moon()? {
+        let direct = scene.moon().map_or(0.0, |moon| moon.illuminance_lx);
+        out!(
+            "moon         azimuth {:.2}°, altitude {:.2}°, {:.1} % lit (phase angle {:.1}°)",
+            moon.azimuth_deg,
+            moon.altitude_deg,
+            100.0 * moon.illuminated_fraction,
+            moon.phase_angle_deg
+        );
+        let level = direct * moon.altitude_deg.to_radians().sin().max(0.0);
+        out!("  direct     {} lx on a level surface ({} lx on one that faces it)", digits(level), digits(direct));
+        out!("  above air  {} lx", digits(moon.illuminance_lx));
+        if moon.eclipse_fraction < 1.0 {
+            out!("  eclipse    {:.3e} of its light is left", moon.eclipse_fraction);
+        }
+        out!("all lights   {} lx on a level surface", digits(scene.horizontal_illuminance_lx()));
+    }
     if let Some(night) = &scene.night {
         print_night(night);
     }
@@ -323,7 +354,7 @@ fn print(args: &Args, model: &SkyModel, light: &MeasuredLight) -> Result<(), Fai
     }
     out!("atmosphere   {} — {}", model.scene().preset, model.preset().title);
     match args.solver.as_str() {
-        "first" => out!("solver       first: light scattered once, as it is drawn"),
+        "first" => out!("solver       first: light scattered once"),
         "moments" => out!("solver       moments"),
         _ => out!("solver       reference, {} paths, seed {}", args.samples, args.seed),
     }

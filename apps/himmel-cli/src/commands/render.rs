@@ -25,7 +25,7 @@ use crate::{Failure, out};
 pub struct Args {
     #[command(flatten)]
     scene: SceneArgs,
-    /// gpu: in a moment, light scattered once. reference: Monte Carlo without a GPU, all orders, 16 wavelengths.
+    /// gpu: in a moment, by tables of all orders. reference: Monte Carlo without a GPU, all orders, 16 wavelengths.
     #[arg(long, value_enum, default_value = "gpu")]
     solver: Solver,
     #[command(flatten)]
@@ -176,11 +176,10 @@ pub fn run(args: &Args, quiet: bool) -> Result<(), Failure> {
         sun.airless_altitude_deg
     );
     out!(
-        "illuminance  {} lx on level ground ({} from the Sun, {} from the sky; {})",
+        "illuminance  {} lx on level ground ({} from Sun and Moon, {} from the sky)",
         lux(report.horizontal_illuminance_lx),
         lux(report.horizontal_illuminance_lx - report.sky_illuminance_lx),
         lux(report.sky_illuminance_lx),
-        if report.reference.is_none() { "light scattered once" } else { "all orders" }
     );
     let how = if exposure == Exposure::Auto { "metered" } else { "fixed" };
     match (report.exposure_ev100, report.tonemap) {

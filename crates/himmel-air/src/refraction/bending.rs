@@ -17,7 +17,7 @@ const WIDTH_RAD: f64 = 0.5 * PI / 180.0;
 /// Above this altitude they stand closer, m.
 const HIGH_M: f64 = 20e3;
 /// The least of (n + r dn/dr)/n: air denser than that towards the ground would keep horizontal light for good.
-const LEAST_SLOPE: f64 = 0.2;
+pub(super) const LEAST_SLOPE: f64 = 0.2;
 /// How far below the horizon the map goes on, rad: what is deeper hides behind the ground.
 const BELOW_RAD: f64 = 0.02;
 
@@ -45,7 +45,7 @@ pub struct Bending {
 }
 
 /// n − 1 and dn/dr at an altitude; nothing above the top.
-fn index(path: &Path<'_>, altitude_m: f64) -> (f64, f64) {
+pub(super) fn index(path: &Path<'_>, altitude_m: f64) -> (f64, f64) {
     if altitude_m > path.medium.top_altitude_m {
         return (0.0, 0.0);
     }

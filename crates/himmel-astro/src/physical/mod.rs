@@ -5,6 +5,7 @@ mod jupiter_moons;
 mod libration_table;
 mod magnitude;
 mod moon;
+pub mod moonlight;
 mod saturn;
 
 pub(crate) use appearance::angle_between;

@@ -2,6 +2,7 @@
 // Field order and sizes are mirrored in frame/mod.rs; a test compares the offsets.
 
 //#include "phenomena/sun/disc.wgsl"
+//#include "phenomena/moon/uniform.wgsl"
 
 // Lights that a frame may have: suns, and moons once they are drawn.
 const MOST_LIGHTS: u32 = 4u;
@@ -85,6 +86,7 @@ struct ViewUniform {
     padding_0: f32,
     padding_1: f32,
     padding_2: f32,
+    moon: MoonUniform,
     // Rows of ICRS from view space (w: level of the star map, its side in texels), and of the ecliptic with its x to the Sun.
     icrs_from_view: array<vec4f, 3>,
     ecliptic_from_view: array<vec4f, 3>,

@@ -1,6 +1,7 @@
 //! What every pass knows: the uniforms of the frame and of a view.
 
 use crate::layout::gpu_struct;
+use crate::phenomena::moon::MoonUniform;
 use crate::phenomena::sun::{BendingUniform, DiscUniform, ShadowUniform};
 
 /// Most lights of a frame: suns, and moons once they are drawn.
@@ -107,6 +108,8 @@ gpu_struct! {
         pub padding_1: f32,
         /// Fills up.
         pub padding_2: f32,
+        /// The Moon.
+        pub moon: MoonUniform,
         /// Rows of ICRS from view space; w: level of the star map, its side in texels.
         pub icrs_from_view: [[f32; 4]; 3],
         /// Rows of the ecliptic (x to the Sun) from view space.

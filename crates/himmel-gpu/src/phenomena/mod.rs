@@ -2,6 +2,7 @@
 
 pub mod air;
 pub mod ground;
+pub mod moon;
 pub mod night_glow;
 pub mod overlay;
 pub mod planets;

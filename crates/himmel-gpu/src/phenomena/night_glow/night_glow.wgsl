@@ -114,7 +114,8 @@ fn zodiacal_light(ray: vec3f) -> vec4f {
 
 // What the night shows along a ray: airglow, zodiacal light, stars through the air, and what it scatters of them and of cities'
 // light. `within`: the camera is in the air, below the layer.
-fn night_radiance(ray: vec3f, mu: f32, sin_theta: f32, below: bool, within: bool) -> vec4f {
+// `open`: share of the pixel that the Moon does not cover.
+fn night_radiance(ray: vec3f, mu: f32, sin_theta: f32, below: bool, within: bool, open: f32) -> vec4f {
     let distance_m = airs[body].bottom_radius_m + view.altitude_m;
     // One look-up of T′ for all: towards space, or of the same line upwards from where it is in the air or on the ground.
     var from_m = view.altitude_m;
@@ -142,7 +143,7 @@ fn night_radiance(ray: vec3f, mu: f32, sin_theta: f32, below: bool, within: bool
     let up = clamp(mu, 0.0, 1.0);
     let total = ((2.0 + 3.0 * up) + (2.0 - 3.0 * up) * through) * night_glow.diffuse_factor;
     let cities = night_glow.pollution * (1.0 - exp(-night_glow.depth * inverseSqrt(1.0 - 0.96 * (1.0 - up * up))));
-    let behind = starlight(ray) + zodiacal_light(ray) + night_glow.airglow * path.y;
+    let behind = open * (starlight(ray) + zodiacal_light(ray)) + night_glow.airglow * path.y;
     let sky = behind * through + night_glow.diffuse * max(total - through, vec4f(0.0)) + cities;
     let ground = mix(0.5 * (night_glow.diffuse + night_glow.ground), night_glow.ground, through);
     return select(sky, ground, below) + night_glow.airglow * path.x;

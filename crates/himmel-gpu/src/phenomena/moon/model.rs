@@ -1,0 +1,348 @@
+//! The Moon as a frame needs it, its maps, and the f64 twin of its pixels.
+
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+use glam::{DMat3, DVec2, DVec3};
+use himmel_air::refraction::Bending;
+
+/// Largest width of a map: WebGPU guarantees textures of 8,192.
+const WIDEST: u32 = 8192;
+
+/// Why a map cannot be used.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error(
+    "a map of the Moon is twice as wide as high, 2 × 1 to {WIDEST} pixels wide, got {width} × {height} with {bytes} bytes"
+)]
+pub struct MoonMapError {
+    width: u32,
+    height: u32,
+    bytes: usize,
+}
+
+/// A map in latitude and longitude: longitude −180° on the left, north at the top. `N` bytes a texel, with smaller levels.
+#[derive(Clone, PartialEq)]
+pub struct MoonMap<const N: usize> {
+    width: u32,
+    height: u32,
+    levels: Vec<Vec<[u8; N]>>,
+}
+
+impl<const N: usize> std::fmt::Debug for MoonMap<N> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "MoonMap of {} × {} texels", self.width, self.height)
+    }
+}
+
+impl<const N: usize> MoonMap<N> {
+    /// The same everywhere.
+    pub fn even(texel: [u8; N]) -> Self {
+        Self { width: 2, height: 1, levels: vec![vec![texel; 2], vec![texel]] }
+    }
+
+    /// From rows of texels, and the levels of half their size by means of four.
+    pub fn new(width: u32, height: u32, texels: Vec<[u8; N]>) -> Result<Self, MoonMapError> {
+        let fits = (2..=WIDEST).contains(&width) && width == 2 * height;
+        if !fits || texels.len() != width as usize * height as usize {
+            return Err(MoonMapError { width, height, bytes: N * texels.len() });
+        }
+        let mut levels = vec![texels];
+        let (mut w, mut h) = (width as usize, height as usize);
+        while w > 1 {
+            let (half_w, half_h) = ((w / 2).max(1), (h / 2).max(1));
+            let Some(before) = levels.last() else { break };
+            let mean = |x: usize, y: usize| {
+                let at = |x: usize, y: usize| before[y.min(h - 1) * w + x.min(w - 1)];
+                let four = [at(2 * x, 2 * y), at(2 * x + 1, 2 * y), at(2 * x, 2 * y + 1), at(2 * x + 1, 2 * y + 1)];
+                std::array::from_fn(|k| ((four.iter().map(|t| u32::from(t[k])).sum::<u32>() + 2) / 4) as u8)
+            };
+            let smaller = (0..half_h).flat_map(|y| (0..half_w).map(move |x| (x, y))).map(|(x, y)| mean(x, y)).collect();
+            levels.push(smaller);
+            (w, h) = (half_w, half_h);
+        }
+        Ok(Self { width, height, levels })
+    }
+
+    /// Texels along a row and a column.
+    pub fn size(&self) -> [u32; 2] {
+        [self.width, self.height]
+    }
+
+    /// Texels by level, the finest first.
+    pub fn levels(&self) -> &[Vec<[u8; N]>] {
+        &self.levels
+    }
+
+    /// Between texels of the finest level, 0..=1. `own`: unit vector in the Moon's frame.
+    pub fn sample(&self, own: DVec3) -> [f64; N] {
+        let (w, h) = (self.width as usize, self.height as usize);
+        let x = (own.y.atan2(own.x) / TAU + 0.5) * w as f64 - 0.5;
+        let y = (own.z.clamp(-1.0, 1.0).acos() / PI * h as f64 - 0.5).clamp(0.0, (h - 1) as f64);
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let at = |dx: i64, dy: usize| {
+            let column = (x0 as i64 + dx).rem_euclid(w as i64) as usize;
+            self.levels[0][(y0 as usize + dy).min(h - 1) * w + column]
+        };
+        let [a, b, c, d] = [at(0, 0), at(1, 0), at(0, 1), at(1, 1)];
+        std::array::from_fn(|k| {
+            let [a, b, c, d] = [a, b, c, d].map(|texel| f64::from(texel[k]) / 255.0);
+            (a * (1.0 - fx) + b * fx) * (1.0 - fy) + (c * (1.0 - fx) + d * fx) * fy
+        })
+    }
+}
+
+/// What the Moon's ground is like.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MoonMaps {
+    /// Albedo up to a factor.
+    pub albedo: MoonMap<1>,
+    /// Normals: east, north, up as 0..=255.
+    pub normals: Option<MoonMap<4>>,
+    /// That factor: the near side at full Moon has a mean of 1.
+    pub albedo_scale: f64,
+}
+
+impl MoonMaps {
+    /// Joins maps; the near side's mean, seen from the Earth's mean place under a Sun behind it, becomes 1.
+    pub fn new(albedo: MoonMap<1>, normals: Option<MoonMap<4>>) -> Self {
+        // Equal areas of the disc: at full Moon all of it shines alike.
+        const SIDE: usize = 256;
+        let (mut sum, mut count) = (0.0, 0.0);
+        for i in 0..SIDE * SIDE {
+            let place = DVec2::new((i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5) * (2.0 / SIDE as f64) - 1.0;
+            let rest = 1.0 - place.length_squared();
+            if rest > 0.0 {
+                sum += albedo.sample(DVec3::new(rest.sqrt(), place.x, place.y))[0];
+                count += 1.0;
+            }
+        }
+        let mean: f64 = sum / f64::max(count, 1.0);
+        Self { albedo, normals, albedo_scale: if mean > 0.0 { 1.0 / mean } else { 0.0 } }
+    }
+
+    /// Albedo, east and north slope, and nothing, at the albedo's texels; `None` without normals.
+    pub(crate) fn with_normals(&self) -> Option<MoonMap<4>> {
+        let normals = self.normals.as_ref()?;
+        let [width, height] = self.albedo.size();
+        // Even ground has two texels: normals deserve more.
+        let [w, h] = if width > 2 { [width, height] } else { normals.size() };
+        let texel = |i: u32| {
+            let (longitude, latitude) = (
+                ((f64::from(i % w) + 0.5) / f64::from(w) - 0.5) * TAU,
+                (0.5 - (f64::from(i / w) + 0.5) / f64::from(h)) * PI,
+            );
+            let own = DVec3::new(latitude.cos() * longitude.cos(), latitude.cos() * longitude.sin(), latitude.sin());
+            let [albedo] = self.albedo.sample(own);
+            let [east, north, ..] = normals.sample(own);
+            [albedo, east, north, 0.0].map(|value| (value * 255.0).round() as u8)
+        };
+        MoonMap::new(w, h, (0..w * h).map(texel).collect()).ok()
+    }
+
+    /// Even ground.
+    pub fn even() -> Self {
+        Self { albedo: MoonMap::even([255]), normals: None, albedo_scale: 1.0 }
+    }
+}
+
+/// What is left of sunlight in the Earth's shadow, over the distance from its axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EclipseMap {
+    /// Natural logarithms at the four wavelengths; at least two.
+    pub ln_light: Vec<[f64; 4]>,
+}
+
+impl EclipseMap {
+    /// Between nodes; beyond the last one as there.
+    pub fn at(&self, node: f64) -> [f64; 4] {
+        let last = self.ln_light.len().saturating_sub(1);
+        let x = node.clamp(0.0, (last as f64 - 1e-3).max(0.0));
+        let i = x as usize;
+        let (Some(a), Some(b)) = (self.ln_light.get(i), self.ln_light.get(i + 1)) else { return [1.0; 4] };
+        std::array::from_fn(|k| (a[k] + (x - i as f64) * (b[k] - a[k])).exp())
+    }
+}
+
+/// How the Moon stands in the Earth's shadow.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MoonEclipse {
+    /// Unit vector along the shadow's axis, away from the Sun, east-north-up.
+    pub axis: DVec3,
+    /// From the axis to the Moon's centre, at right angles to it, in the Moon's radii.
+    pub offset: DVec3,
+    /// Nodes of the map for a radius of the Moon.
+    pub nodes_per_radius: f64,
+    /// The light in the shadow.
+    pub map: Arc<EclipseMap>,
+}
+
+impl MoonEclipse {
+    /// What of the Sun's light reaches a point. `from_axis`: in radii of the Moon.
+    pub fn light(&self, from_axis: DVec3) -> [f64; 4] {
+        self.map.at(from_axis.length() * self.nodes_per_radius)
+    }
+
+    /// What of the Sun's light the whole disc gets, seen with the Sun behind.
+    pub fn mean(&self) -> [f64; 4] {
+        const SIDE: usize = 24;
+        let x = self.axis.any_orthonormal_vector();
+        let y = self.axis.cross(x);
+        let (mut sum, mut count) = ([0.0; 4], 0.0);
+        for i in 0..SIDE * SIDE {
+            let place = DVec2::new((i % SIDE) as f64 + 0.5, (i / SIDE) as f64 + 0.5) * (2.0 / SIDE as f64) - 1.0;
+            if place.length_squared() < 1.0 {
+                let light = self.light(self.offset + x * place.x + y * place.y);
+                for k in 0..4 {
+                    sum[k] += light[k];
+                }
+                count += 1.0;
+            }
+        }
+        sum.map(|sum| sum / f64::max(count, 1.0))
+    }
+}
+
+/// The Moon of a frame; directions are unit vectors east-north-up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MoonState {
+    /// Towards its centre, without refraction.
+    pub direction: DVec3,
+    /// Towards its disc, refracted.
+    pub disc_direction: DVec3,
+    /// Apparent radius that is drawn, rad.
+    pub radius_rad: f64,
+    /// From it to the Sun.
+    pub to_sun: DVec3,
+    /// From it to the Earth's centre.
+    pub to_earth: DVec3,
+    /// Its own frame (x to the middle of the near side, z north) from east-north-up.
+    pub body_from_enu: DMat3,
+    /// Radiance of ground with relative albedo 1 for µ₀/(µ₀ + µ) = 1, relative to the preset's star at 1 au.
+    pub sunlit: [f64; 4],
+    /// The same in the Earth's light.
+    pub earthlit: [f64; 4],
+    /// The Earth's shadow, where it reaches the Moon.
+    pub eclipse: Option<MoonEclipse>,
+    /// The ground.
+    pub maps: Arc<MoonMaps>,
+    /// Factor on the slopes of the map of normals.
+    pub relief: f64,
+}
+
+/// µ₀/(µ₀ + µ), 0 where the source is below the horizon   [seeliger1887]
+pub fn lommel_seeliger(mu_0: f64, mu: f64) -> f64 {
+    let lit = mu_0.max(0.0);
+    lit / (lit + mu).max(1e-6)
+}
+
+/// The normal of the sphere where a ray meets it. `aside`: what of the ray is across the direction of the centre; `sine` of
+/// the sphere's apparent radius. Rays that miss get the nearest point of the limb.
+pub fn sphere_normal(aside: DVec3, centre: DVec3, sine: f64) -> DVec3 {
+    let sin_2 = aside.length_squared().min(sine * sine);
+    let near = (1.0 - sin_2).sqrt() - (sine * sine - sin_2).max(0.0).sqrt();
+    let mut across = aside * (near / sine);
+    across *= (0.99999 / across.length().max(1e-9)).min(1.0);
+    across - centre * (1.0 - across.length_squared()).max(0.0).sqrt()
+}
+
+impl MoonState {
+    /// Even ground, full, the Sun and the Earth behind the observer; without light.
+    pub fn even(direction: DVec3, radius_rad: f64) -> Self {
+        Self {
+            direction,
+            disc_direction: direction,
+            radius_rad,
+            to_sun: -direction,
+            to_earth: -direction,
+            body_from_enu: DMat3::IDENTITY,
+            sunlit: [0.0; 4],
+            earthlit: [0.0; 4],
+            eclipse: None,
+            maps: Arc::new(MoonMaps::even()),
+            relief: 1.0,
+        }
+    }
+
+    pub(crate) fn is_finite(&self) -> bool {
+        let vectors = [self.direction, self.disc_direction, self.to_sun, self.to_earth];
+        vectors.iter().all(|v| v.is_finite())
+            && self.radius_rad.is_finite()
+            && self.body_from_enu.is_finite()
+            && self.sunlit.iter().chain(&self.earthlit).all(|value| value.is_finite())
+    }
+
+    /// Radiance in a direction as the air shows it, relative to the preset's star at 1 au, without the air's extinction;
+    /// `None` beside the disc. `ray`: unit vector. The twin of `moon_light` for a pixel of no size.
+    pub fn radiance(&self, ray: DVec3, bending: &Bending) -> Option<[f64; 4]> {
+        let sine = self.radius_rad.sin();
+        let level = DVec3::Z - ray * ray.z;
+        let tangent = level / level.length().max(1e-6);
+        let deviation = bending.deviation(ray.z.clamp(-1.0, 1.0).asin()).0;
+        let base = ray - tangent * deviation - self.direction;
+        let aside = base - self.direction * base.dot(self.direction);
+        let off = aside.length();
+        if off > sine || base.length_squared() > 2.0 {
+            return None;
+        }
+        let normal = sphere_normal(aside, self.direction, sine);
+        let mu = (1.0 - (off / sine).powi(2)).max(0.0).sqrt();
+        Some(self.ground_radiance(normal, mu))
+    }
+
+    /// Radiance of the ground. `normal`: of the sphere; `mu`: cosine to the observer. Without the map of normals.
+    pub fn ground_radiance(&self, normal: DVec3, mu: f64) -> [f64; 4] {
+        let albedo = self.maps.albedo.sample(self.body_from_enu * normal)[0] * self.maps.albedo_scale;
+        let shade = self.eclipse.as_ref().map_or([1.0; 4], |eclipse| {
+            let from_axis = eclipse.offset + normal - eclipse.axis * normal.dot(eclipse.axis);
+            eclipse.light(from_axis)
+        });
+        let by_sun = lommel_seeliger(normal.dot(self.to_sun), mu);
+        let by_earth = lommel_seeliger(normal.dot(self.to_earth), mu);
+        std::array::from_fn(|k| albedo * (self.sunlit[k] * shade[k] * by_sun + self.earthlit[k] * by_earth))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn maps_have_a_shape() {
+        assert!(MoonMap::new(4, 2, vec![[7u8]; 8]).is_ok());
+        for (w, h, n) in [(4, 3, 12), (4, 2, 7), (0, 0, 0), (20_000, 10_000, 1), (1, 1, 1)] {
+            let error = MoonMap::new(w, h, vec![[7u8]; n]).unwrap_err().to_string();
+            assert!(error.contains("twice as wide"), "{error}");
+        }
+        let map = MoonMap::new(8, 4, vec![[100u8]; 32]).unwrap();
+        assert_eq!(map.levels().len(), 4);
+        assert!((map.sample(DVec3::new(-1.0, 1e-9, 0.1).normalize())[0] - 100.0 / 255.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_near_sides_mean_is_one() {
+        let texels = (0..32 * 16).map(|i| [(40 + (i * 37) % 180) as u8]).collect();
+        let maps = MoonMaps::new(MoonMap::new(32, 16, texels).unwrap(), None);
+        assert!((0.5..3.0).contains(&(maps.albedo_scale * 130.0 / 255.0)));
+        assert_eq!(MoonMaps::even().albedo_scale, 1.0);
+    }
+
+    #[test]
+    fn normals_are_those_of_a_sphere() {
+        let centre = DVec3::new(0.3, 0.2, 0.9).normalize();
+        for sine in [0.0045f64, 0.3, 0.9] {
+            for share in [0.0, 0.3, 0.9, 0.999] {
+                let side = centre.any_orthonormal_vector();
+                let sin = sine * share;
+                let ray = centre * (1.0 - sin * sin as f64).sqrt() + side * sin;
+                let normal = sphere_normal(side * sin, centre, sine);
+                // The point on a sphere of radius `sine` at distance 1, along the ray.
+                let point = centre + normal * sine;
+                assert!(point.normalize().angle_between(ray) < 1e-5, "{sine} {share}");
+                assert!((normal.length() - 1.0).abs() < 1e-12);
+                // The cosine to the observer.
+                assert!((-normal.dot(ray) - (1.0 - share * share).sqrt()).abs() < 5e-3);
+            }
+        }
+    }
+}

@@ -1,0 +1,110 @@
+// The Moon's disc. Twin of phenomena/moon/model.rs: same names, same order, same units.
+
+//#include "frame/frame.wgsl"
+
+// Relative albedo over selenographic longitude (−π..π) and latitude (from the north); in g and b slopes to east and north
+// as 0..1, where there is a map of normals.
+@group(1) @binding(7) var moon_ground: texture_2d<f32>;
+@group(1) @binding(8) var moon_sampler: sampler;
+// Logarithm of what is left of sunlight in the Earth's shadow, over the distance from its axis.
+@group(1) @binding(9) var moon_shadow: texture_2d<f32>;
+
+// What the Moon sends along a ray, and how much of the pixel it covers.
+struct MoonLight {
+    radiance: vec4f,
+    cover: f32,
+}
+
+// µ₀/(µ₀ + µ), 0 where the source is below the horizon   [seeliger1887]
+fn lommel_seeliger(mu_0: f32, mu: f32) -> f32 {
+    let lit = max(mu_0, 0.0);
+    return lit / max(lit + mu, 1e-6);
+}
+
+// The normal of the sphere where a ray meets it. `aside`: what of the ray is across the direction of the centre; `sine` of
+// the sphere's apparent radius. Rays that miss get the nearest point of the limb.
+fn sphere_normal(aside: vec3f, centre: vec3f, sine: f32) -> vec3f {
+    let sin_2 = min(dot(aside, aside), sine * sine);
+    let near = sqrt(1.0 - sin_2) - sqrt(max(sine * sine - sin_2, 0.0));
+    var across = aside * (near / sine);
+    across *= min(1.0, 0.99999 / max(length(across), 1e-9));
+    return across - centre * sqrt(max(1.0 - dot(across, across), 0.0));
+}
+
+fn moon_light(ray: vec3f, dx: vec3f, dy: vec3f) -> MoonLight {
+    let centre = view.moon.centre;
+    let pixel = max(length(dx), length(dy));
+    let sine = max(view.moon.sine, 0.75 * pixel);
+    // A disc smaller than a pixel is widened, its flux kept.
+    let thin = view.moon.sine * view.moon.sine / (sine * sine);
+    let height = clamp(dot(ray, view.up), -1.0, 1.0);
+    let level = view.up - ray * height;
+    let tangent = level / max(length(level), 1e-6);
+    let at = clamp((asin(height) - view.moon.lift_middle) / view.moon.lift_reach, -1.0, 1.0);
+    let lift = view.moon.lift;
+    // Deviation, and how it changes with elevation.
+    let bend = vec2f(
+        lift.x + at * (lift.y + at * (lift.z + at * lift.w)),
+        (lift.y + at * (2.0 * lift.z + at * 3.0 * lift.w)) / view.moon.lift_reach);
+    // From chords, not from dot products: f32 cosines of small angles have no digits left.
+    let base = ray - tangent * bend.x - centre;
+    let across = base - centre * dot(base, centre);
+    let touched = dot(across, across) < (sine + pixel) * (sine + pixel) && dot(base, base) < 2.0;
+    // Small discs need more points for their terminator. A loop that ends at once, not a branch: rasterisers on CPUs skip
+    // only loops.
+    let side = select(1u, select(4u, 8u, sine < 3.0 * pixel), sine < 8.0 * pixel);
+    let points = select(0u, side * side, touched);
+    var sum = MoonLight(vec4f(0.0), 0.0);
+    for (var i = 0u; i < points; i++) {
+        let p = (vec2f(f32(i % side), f32(i / side)) + 0.5) / f32(side) - 0.5;
+        let shift = p.x * dx + p.y * dy;
+        let here = base + shift - tangent * (bend.y * dot(shift, tangent));
+        let aside = here - centre * dot(here, centre);
+        let off = length(aside);
+        let half = 0.5 * pixel / f32(side);
+        let cover = clamp(0.5 + 0.5 * (sine - off) / half, 0.0, 1.0);
+        // On the limb the middle of the part that is covered shines for all of it.
+        let seen = select(off, clamp(0.5 * (off - half + sine), 0.0, sine), off + half > sine);
+        let normal = sphere_normal(aside * (seen / max(off, 1e-9)), centre, sine);
+        let mu = sqrt(max(1.0 - seen * seen / (sine * sine), 0.0));
+        sum.radiance += cover * moon_radiance(normal, mu, pixel / (sine * f32(side)));
+        sum.cover += cover;
+    }
+    let share = thin / f32(side * side);
+    return MoonLight(sum.radiance * share, sum.cover * share);
+}
+
+// Radiance of the ground. `normal`: of the sphere; `mu`: cosine to the observer; `footprint`: of the pixel, in radii.
+fn moon_radiance(normal: vec3f, mu: f32, footprint: f32) -> vec4f {
+    let own = vec3f(
+        dot(view.moon.body_x.xyz, normal), dot(view.moon.body_y.xyz, normal), dot(view.moon.body_z.xyz, normal));
+    let uv = vec2f(atan2(own.y, own.x) * 0.15915494 + 0.5, acos(clamp(own.z, -1.0, 1.0)) * 0.31830989);
+    // Radians of longitude that a pixel spans; half of what it is longer near the limb.
+    let texel = 6.2831853 / f32(textureDimensions(moon_ground).x);
+    let level = log2(max(footprint / texel, 1e-3)) - 0.5 * log2(max(mu, 0.05));
+    let ground = textureSampleLevel(moon_ground, moon_sampler, uv, max(level, 0.0));
+    let albedo = ground.x * view.moon.albedo_scale;
+    let smooth_mu_0 = dot(normal, view.moon.to_sun);
+    var mu_0 = smooth_mu_0;
+    for (var i = 0u; i < select(0u, 1u, view.moon.relief > 0.0); i++) {
+        let slopes = (ground.yz * 255.0 - 128.0) / 127.0;
+        let north = normalize(view.moon.body_z.xyz - normal * own.z + vec3f(1e-9));
+        let east = cross(north, normal);
+        let tilted = normalize(normal + view.moon.relief * (slopes.x * east + slopes.y * north));
+        // Mountains are lit up to 4° beyond the terminator of the sphere.
+        mu_0 = max(dot(tilted, view.moon.to_sun), 0.0) * smoothstep(-0.07, 0.02, smooth_mu_0);
+    }
+    var shade = vec4f(1.0);
+    for (var i = 0u; i < select(0u, 1u, view.moon.texels_per_radius > 0.0); i++) {
+        let from_axis = view.moon.offset + normal - view.moon.axis * dot(normal, view.moon.axis);
+        let x = min(length(from_axis) * view.moon.texels_per_radius, view.moon.shadow_texels - 1.001);
+        let texel = u32(x);
+        let ln = mix(
+            textureLoad(moon_shadow, vec2u(texel, 0u), 0), textureLoad(moon_shadow, vec2u(texel + 1u, 0u), 0),
+            x - f32(texel));
+        shade = exp(ln);
+    }
+    let mu_e = dot(normal, view.moon.to_earth);
+    return albedo * (view.moon.sunlit * shade * lommel_seeliger(mu_0, mu)
+        + view.moon.earthlit * lommel_seeliger(mu_e, mu));
+}
