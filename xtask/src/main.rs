@@ -1,5 +1,5 @@
 //! Development tasks: `cargo xtask golden propose | review | accept NAME… | accept --all`,
-//! `cargo xtask accuracy reference | moments | gpu | elevation | colour | day`,
+//! `cargo xtask accuracy reference | moments | gpu | elevation | colour | day | dusk`,
 //! `cargo xtask pictures`, `cargo xtask data milky-way FILES…`.
 //!
 //! Data is made by the scripts beside this crate: `xtask/data/*.py` (colour, light, air, places) and `xtask/astro/*.py`
@@ -13,7 +13,7 @@ use std::process::ExitCode;
 const USAGE: &str = "cargo xtask golden propose [TEST…]   run the golden tests and keep their new pictures
 cargo xtask golden review              compare them with the accepted ones, numbers and a sheet each
 cargo xtask golden accept NAME… | --all
-cargo xtask accuracy reference | moments | gpu | elevation | colour | day [--quick] [--output FILE]   tables of errors, for docs/
+cargo xtask accuracy reference | moments | gpu | elevation | colour | day | dusk [--quick] [--output FILE]   tables of errors, for docs/
 cargo xtask pictures [NAME…]           ours and the tracer's side by side, for docs/
 cargo xtask data milky-way TYCHO2_INDEX.fits MW_edgeon_edr3_unannotate.jpg [FOLDER] [QUALITY]   needs python3 with numpy and pillow";
 

@@ -12,6 +12,8 @@
 override far_depth: f32 = 1.0;
 // 0: linear Rec. 709 times exposure; 1: tone mapped and display-encoded.
 override finished: u32 = 0u;
+// Whether the target may encode sRGB by itself.
+override target_is_srgb: bool = true;
 // The metering picture is not exposed, whatever the frame says.
 override metering: bool = false;
 // Whether every pixel marches its own ray, or looks the sky up in the sky-view table.
@@ -56,17 +58,29 @@ fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instan
         let far = vec2<bool>(index == 1u || index == 4u || index == 5u, index == 2u || index == 3u || index == 5u);
         ndc = vec2f(select(low, high, far)) / vec2f(CELLS) * 2.0 - 1.0;
     }
-    var exposure = frame.exposure;
-    if exposure == 0.0 && !metering {
-        exposure = textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
-    }
-    var from_table = vec4f(0.0);
+    let exposure = select(exposure_now(), frame.exposure, metering);
+    return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc, exposure, table_scales());
+}
+
+// Factor on luminance. It is chosen, not branched on: lavapipe compiles a shader anew, each time it is bound, for the uniforms that its
+// branches and the bounds of its loops hang on.
+fn exposure_now() -> f32 {
+    let metered = textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
+    return select(frame.exposure, metered, frame.exposure == 0.0);
+}
+
+// What the light of the sky-view table is to be multiplied by, for each light.
+fn table_scales() -> vec4f {
+    var scales = vec4f(0.0);
     if !marching {
-        for (var light = 0u; light < frame.light_count; light++) {
-            from_table[light] = 1.0 / sky_view_scale(light);
+        scales[0] = 1.0 / sky_view_scale(0u);
+        if several_lights {
+            for (var light = 1u; light < frame.light_count; light++) {
+                scales[light] = 1.0 / sky_view_scale(light);
+            }
         }
     }
-    return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc, exposure, from_table);
+    return scales;
 }
 
 // The look direction of a point of the picture in view space; it goes on beyond the edge of a fisheye, so that derivatives
@@ -229,9 +243,11 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     }
     // 1e30 keeps the tone mappers finite; negative values are colours outside Rec. 709.
     var encoded = tonemap(frame.tonemap, clamp(luminance, vec3f(0.0), vec3f(1e30)), in.exposure);
-    if frame.dither_levels > 0.0 {
-        encoded += triangular_noise(vec2u(in.position.xy + view.pixel)) / frame.dither_levels;
-    }
+    let noise = triangular_noise(vec2u(in.position.xy + view.pixel)) / max(frame.dither_levels, 1.0);
+    encoded += select(vec3f(0.0), noise, frame.dither_levels > 0.0);
     encoded = clamp(encoded, vec3f(0.0), vec3f(1.0));
-    return vec4f(select(encoded, srgb_decode(encoded), frame.encoding == 2u), 1.0);
+    if target_is_srgb {
+        encoded = select(encoded, srgb_decode(encoded), frame.encoding == 2u);
+    }
+    return vec4f(encoded, 1.0);
 }

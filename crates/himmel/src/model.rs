@@ -32,6 +32,10 @@ const ECLIPSE_WITHIN_RAD: f64 = 0.05;
 
 /// Cells along a ray of the renderer's f64 twin.
 const TWIN_STEPS: usize = 48;
+/// With the Sun lower than this the air leaves all stars visible.
+const DARK_BELOW_DEG: f64 = -9.0;
+/// Cells of the rays that tell how dark the sky is.
+const DARK_STEPS: usize = 12;
 
 /// A sky that can be asked for numbers, without a GPU.
 ///
@@ -421,6 +425,31 @@ impl SkyModel {
         })
     }
 
+    /// No part of the sky above the horizon is darker: half of the least that light scattered once shows in some directions. 0 at
+    /// night and while something stands before the Sun.
+    fn darkest_sky_cd_m2(&self) -> Result<f64> {
+        let sun = self.sun_state()?;
+        let sun_deg = sun.direction.z.clamp(-1.0, 1.0).asin().to_degrees();
+        if sun_deg < DARK_BELOW_DEG || self.occluder()?.is_some() || self.shadow()?.is_some() {
+            return Ok(0.0);
+        }
+        let (altitude_m, azimuth) = (self.altitude_m().max(0.5), sun.direction.x.atan2(sun.direction.y));
+        let mut darkest = f64::INFINITY;
+        for (elevation_deg, turns) in [(2f64, 5), (15.0, 5), (35.0, 5), (60.0, 3), (90.0, 1)] {
+            for turn in 0..turns {
+                let aside = std::f64::consts::PI * f64::from(turn) / f64::from((turns - 1).max(1));
+                let (sine, cosine) = elevation_deg.to_radians().sin_cos();
+                let to = DVec3::new(cosine * (azimuth + aside).sin(), cosine * (azimuth + aside).cos(), sine);
+                let nu = to.dot(sun.direction).clamp(-1.0, 1.0);
+                let ray = Ray { altitude_m, mu: sine, mu_s: sun.direction.z, nu };
+                let four = self.atmosphere.march(&ray, DARK_STEPS).radiance_per_sr;
+                let rgb = self.atmosphere.rec709(std::array::from_fn(|k| four[k] * sun.irradiance[k]));
+                darkest = darkest.min(rgb.dot(DVec3::new(0.2126, 0.7152, 0.0722)));
+            }
+        }
+        Ok(if darkest.is_finite() { (0.5 * darkest).max(0.0) } else { 0.0 })
+    }
+
     /// What the renderer needs for a frame.
     pub fn frame(&self) -> Result<FrameState> {
         let moon = self.moon()?;
@@ -434,7 +463,7 @@ impl SkyModel {
             occluder: self.occluder()?,
             shadow: self.shadow()?,
             bending: self.bending(),
-            stars: self.points.field(&self.scene, &observer, self.clock.unix_seconds()),
+            stars: self.points.field(&self.scene, &observer, self.clock.unix_seconds(), self.darkest_sky_cd_m2()?),
             bodies: moving.points,
             planets: moving.discs,
             hiders: hiders(&observer, moon.as_ref())?,

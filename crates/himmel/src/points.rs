@@ -151,7 +151,13 @@ impl PointCache {
     }
 
     /// The stars of a frame; `None` where they are off.
-    pub(crate) fn field(&self, scene: &Scene, observer: &Observer<'_>, time_s: f64) -> Option<StarField> {
+    pub(crate) fn field(
+        &self,
+        scene: &Scene,
+        observer: &Observer<'_>,
+        time_s: f64,
+        darkest_sky_cd_m2: f64,
+    ) -> Option<StarField> {
         scene.stars.enabled.then(|| {
             let frame = StarFrame::new(observer);
             StarField {
@@ -162,6 +168,7 @@ impl PointCache {
                 observer_au: frame.observer_au,
                 enu_from_icrs: frame.enu_from_icrs,
                 time_s,
+                darkest_sky_cd_m2,
             }
         })
     }

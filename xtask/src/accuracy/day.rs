@@ -295,7 +295,7 @@ pub fn pictures(folder: &Path) -> Result<String, String> {
 }
 
 /// Pictures side by side.
-struct Sheet {
+pub(super) struct Sheet {
     columns: u32,
     size: (u32, u32),
     count: u32,
@@ -304,13 +304,13 @@ struct Sheet {
 }
 
 impl Sheet {
-    fn new(columns: u32, rows: u32, size: (u32, u32)) -> Self {
+    pub(super) fn new(columns: u32, rows: u32, size: (u32, u32)) -> Self {
         let width = columns * size.0;
         Self { columns, size, count: 0, width, rgb: vec![0; (3 * width * rows * size.1) as usize] }
     }
 
     /// Puts a picture into the next place; returns its mean.
-    fn add(&mut self, shown: &Picture) -> f64 {
+    pub(super) fn add(&mut self, shown: &Picture) -> f64 {
         let Pixels::Display(bytes) = &shown.pixels else { return 0.0 };
         let (x, y) = (self.count % self.columns * self.size.0, self.count / self.columns * self.size.1);
         for (row, line) in bytes.chunks_exact(3 * self.size.0 as usize).enumerate() {
@@ -321,7 +321,7 @@ impl Sheet {
         bytes.iter().map(|byte| f64::from(*byte)).sum::<f64>() / bytes.len() as f64
     }
 
-    fn save(self, path: &Path) -> Result<(), String> {
+    pub(super) fn save(self, path: &Path) -> Result<(), String> {
         let height = (self.rgb.len() / 3) as u32 / self.width;
         let sheet = Picture {
             width: self.width,

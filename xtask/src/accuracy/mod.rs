@@ -3,6 +3,7 @@
 mod class;
 mod colour;
 mod day;
+mod dusk;
 mod elevation;
 mod moments;
 mod reference;
@@ -20,6 +21,7 @@ cargo xtask accuracy gpu [--quick] [--output FILE.md]         the renderer on th
 cargo xtask accuracy elevation [--quick] [--output FILE.svg]  their errors over the Sun's elevation, as a plot
 cargo xtask accuracy colour [--quick] [--output FILE.md]      four wavelengths and sharp channels against full spectra
 cargo xtask accuracy day [--quick] [--output FILE.md]         a day's illuminance against a published fit; day.svg beside FILE.md
+cargo xtask accuracy dusk [--quick] [--output FILE.md]         when stars come out between sunset and night; dusk-stars.jpg beside FILE.md
 cargo xtask accuracy day-pictures --output FOLDER             the day's pictures, and a night with and without the Moon
 cargo xtask accuracy grid [--quick]                           questions for `himmel radiance`, a grid over all geometries
 moments, gpu: --class day,horizon,94,96,30km,space,haze,mars,titan,earth   only these, in this order
@@ -105,6 +107,7 @@ pub fn run(args: &[String]) -> Result<(), String> {
         Some("elevation") => return elevation::plot(&choice(20), &open()?, output.as_deref()),
         Some("colour") => colour::table(work)?,
         Some("day") => day::table(work, beside)?,
+        Some("dusk") => dusk::table(work, beside)?,
         _ => return Err(USAGE.into()),
     };
     let _ = writeln!(

@@ -16,6 +16,7 @@
 //! - **Known to look wrong**: two points within four pixels in a finished picture add up in display values; a star vanishes
 //!   at once at the horizon and at the Moon's edge; targets that cannot blend (32-bit floats on some adapters) show no stars.
 
+mod cells;
 pub mod model;
 mod params;
 mod pass;

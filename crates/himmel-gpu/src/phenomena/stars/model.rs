@@ -4,6 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3};
 
+use super::cells::{Cell, cell_of, cells_of};
 use super::params::{Glare, StarsParams};
 
 /// A star of a catalogue.
@@ -23,10 +24,12 @@ pub struct StarPoint {
     pub temperature_k: f64,
 }
 
-/// Stars, brightest first.
+/// Stars, by cells of the sky, brightest first in each.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StarList {
     stars: Vec<StarPoint>,
+    ranks: Vec<u32>,
+    cells: Vec<Cell>,
 }
 
 impl StarList {
@@ -38,7 +41,11 @@ impl StarList {
         };
         stars.retain(finite);
         stars.sort_by(|a, b| a.v_magnitude.total_cmp(&b.v_magnitude));
-        Self { stars }
+        let mut ranked: Vec<(u32, StarPoint)> = (0..).zip(stars).collect();
+        ranked.sort_by_key(|(_, star)| cell_of(star.place));
+        let (ranks, stars): (Vec<u32>, Vec<StarPoint>) = ranked.into_iter().unzip();
+        let cells = cells_of(&stars);
+        Self { stars, ranks, cells }
     }
 
     /// All of them.
@@ -46,9 +53,24 @@ impl StarList {
         &self.stars
     }
 
+    /// How many are brighter, of each.
+    pub(super) fn ranks(&self) -> &[u32] {
+        &self.ranks
+    }
+
+    pub(super) fn cells(&self) -> &[Cell] {
+        &self.cells
+    }
+
+    /// How many of a cell are at least as bright as a magnitude.
+    pub(super) fn count_in(&self, cell: &Cell, magnitude: f64) -> usize {
+        let own = self.stars.get(cell.first..cell.first + cell.count).unwrap_or_default();
+        own.partition_point(|star| star.v_magnitude <= magnitude)
+    }
+
     /// How many are at least as bright as a magnitude.
     pub fn count_to(&self, magnitude: f64) -> usize {
-        self.stars.partition_point(|star| star.v_magnitude <= magnitude)
+        self.cells.iter().map(|cell| self.count_in(cell, magnitude)).sum()
     }
 }
 
@@ -69,6 +91,8 @@ pub struct StarField {
     pub enu_from_icrs: DMat3,
     /// What scintillation runs by, s.
     pub time_s: f64,
+    /// No part of the sky above the horizon is darker, cd m⁻²; 0 where nobody knows. Stars that are lost in it are not moved.
+    pub darkest_sky_cd_m2: f64,
 }
 
 /// A disc that hides points behind it: Sun, Moon.

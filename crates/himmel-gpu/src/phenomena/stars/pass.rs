@@ -8,6 +8,7 @@ use himmel_air::Starlight;
 use himmel_air::refraction::Bending;
 use himmel_core::constants::ILLUMINANCE_OF_V_0_LX;
 
+use super::cells::{CELLS, Sight};
 use super::model::{
     GLARE_FARTHEST_RAD, GLARE_FLOOR, GLARE_SOFT_RAD, Hider, PointBody, StarField, StarList, glare_coefficients,
     scintillation_at_zenith, thesis_core_scale, wave_phases, wavelength_shift, wavelength_strength,
@@ -30,6 +31,8 @@ pub const MOST_HIDERS: usize = 4;
 const MOST_VIEWS: usize = 64;
 /// Rows of a picture whose size nobody told: fewer would cut cores off.
 const FEWEST_ROWS: f64 = 360.0;
+/// How far the core of a star reaches, and the glare of the thesis, pixels: the brightest star's is 20.
+const SPREAD_PX: f64 = 64.0;
 
 gpu_struct! {
     /// A point as the list keeps it; the fields are explained in `points.wgsl`.
@@ -46,12 +49,12 @@ gpu_struct! {
         pub four: [f32; 4],
         /// Full width of what is no point, rad.
         pub width: f32,
+        /// A number of its own: how many are brighter.
+        pub number: f32,
         /// Fills up.
         pub padding_0: f32,
         /// Fills up.
         pub padding_1: f32,
-        /// Fills up.
-        pub padding_2: f32,
     }
 }
 
@@ -80,8 +83,8 @@ gpu_struct! {
         pub glare_soft: f32,
         /// Glare.
         pub glare: [f32; 3],
-        /// Discs in use.
-        pub hiders: u32,
+        /// Fills up.
+        pub padding: u32,
         /// Refraction over true elevation.
         pub lift: BendingUniform,
         /// Discs.
@@ -108,6 +111,8 @@ gpu_struct! {
         pub first: u32,
         /// Bits of points that are drawn as discs.
         pub discs: [u32; 4],
+        /// Runs of the list, two in each: where they begin among the points that are moved, and in the list.
+        pub runs: [[[u32; 4]; 24]; 2],
     }
 }
 
@@ -147,6 +152,7 @@ struct Kind {
     glare: bool,
     rays: bool,
     thesis: bool,
+    twinkling: bool,
 }
 
 /// What the renderer tells about the frame.
@@ -157,6 +163,7 @@ pub(crate) struct PointsScene<'a> {
     pub hiders: &'a [Hider],
     pub bending: &'a Arc<Bending>,
     pub altitude_m: f64,
+    pub bottom_radius_m: f64,
     pub several_lights: bool,
     pub eclipsed: bool,
     pub night: bool,
@@ -345,12 +352,13 @@ impl Points {
         if self.uploaded.as_ref().is_some_and(|known| Arc::ptr_eq(known, list_of_stars)) {
             return;
         }
-        let points: Vec<PointLight> = (list_of_stars.stars().iter())
-            .map(|star| PointLight {
+        let points: Vec<PointLight> = (list_of_stars.stars().iter().zip(list_of_stars.ranks()))
+            .map(|(star, &rank)| PointLight {
                 place: star.place.as_vec3().to_array(),
                 parallax: star.parallax_rad as f32,
                 velocity: star.velocity_per_year.as_vec3().to_array(),
                 scintillation: 1.0,
+                number: rank as f32,
                 four: starlight.of_black_body(star.temperature_k, star.illuminance_lx).map(|value| value as f32),
                 ..PointLight::default()
             })
@@ -390,14 +398,37 @@ impl Points {
         if let Some(field) = stars {
             self.upload(queue, &field.list, starlight);
         }
-        let star_count = stars.map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
-        let counts = [star_count, scene.bodies.len().min(MOST_BODIES)];
-        let together = counts[0] + counts[1];
-        if views.len() > MOST_VIEWS && together > 0 {
+        let body_count = scene.bodies.len().min(MOST_BODIES);
+        if views.len() > MOST_VIEWS && (stars.is_some() || body_count > 0) {
             tracing::warn!(views = views.len(), most = MOST_VIEWS, "only the first views of a frame have stars");
         }
         let views = &views[..views.len().min(MOST_VIEWS)];
-        let bytes = views.len() * together * size_of::<SeenPoint>();
+        let lift = match &self.lift {
+            Some((of, lift)) if Arc::ptr_eq(of, scene.bending) => *lift,
+            _ => {
+                let lift = BendingUniform::new(&scene.bending.lift());
+                self.lift = Some((Arc::clone(scene.bending), lift));
+                lift
+            }
+        };
+        let output = self.target.output;
+        let defaults = StarsParams::default();
+        let params = scene.stars.map_or(&defaults, |field| &field.params);
+        let shown: Vec<Vec<usize>> = views.iter().map(|view| disc_slots(view, scene.planets)).collect();
+        let mut runs: Vec<[Vec<(usize, usize)>; 2]> = Vec::with_capacity(views.len());
+        for (view, shown) in views.iter().zip(&shown) {
+            let sight = sight_of(view, params, output, scene, &lift)?;
+            // Discs are drawn with what all bodies of a view share.
+            let disc = |body| shown.iter().any(|&disc| scene.planets[disc].body == body);
+            runs.push([
+                stars.map_or_else(Vec::new, |field| sight.runs(field, faintest(field, output, &sight))),
+                sight.bodies(&scene.bodies[..body_count], &disc),
+            ]);
+        }
+        let counts: Vec<[usize; 2]> =
+            runs.iter().map(|both| both.each_ref().map(|runs| runs.iter().map(|run| run.1).sum())).collect();
+        let together: usize = counts.as_flattened().iter().sum();
+        let bytes = together * size_of::<SeenPoint>();
         if self.prepared.size() < bytes as u64 {
             self.prepared = list(&self.device, "seen points", bytes);
             self.bind();
@@ -407,9 +438,10 @@ impl Points {
             self.uniforms = uniforms(&self.device, self.stride * self.capacity as u64);
             self.bind();
         }
-        if counts[1] > 0 {
-            let bodies: Vec<PointLight> = (scene.bodies.iter().take(MOST_BODIES))
-                .map(|body| PointLight {
+        if body_count > 0 {
+            let bodies: Vec<PointLight> = (scene.bodies.iter().take(MOST_BODIES).enumerate())
+                .map(|(number, body)| PointLight {
+                    number: number as f32,
                     place: body.direction.normalize_or(DVec3::Z).as_vec3().to_array(),
                     scintillation: body.scintillation as f32,
                     width: body.width_rad as f32,
@@ -419,30 +451,19 @@ impl Points {
                 .collect();
             write(&self.bodies, 0, bytemuck::cast_slice(&bodies));
         }
-        let shown: Vec<Vec<usize>> = views.iter().map(|view| disc_slots(view, scene.planets)).collect();
         self.discs.reserve(&self.device, shown.iter().map(Vec::len).sum());
         let mut disc_slot = 0;
-        let lift = match &self.lift {
-            Some((of, lift)) if Arc::ptr_eq(of, scene.bending) => *lift,
-            _ => {
-                let lift = BendingUniform::new(&scene.bending.lift());
-                self.lift = Some((Arc::clone(scene.bending), lift));
-                lift
-            }
-        };
-        let defaults = StarsParams::default();
-        let params = scene.stars.map_or(&defaults, |field| &field.params);
-        let output = self.target.output;
         let glare = params.glare_for(output);
+        let mut first = 0;
         for (index, view) in views.iter().enumerate() {
             let linear = matches!(view.projection, Projection::Matrix(_));
             let mut draws = [None; 2];
             let mut disc_draw = None;
-            for (bodies, &count) in counts.iter().enumerate() {
-                let Some(mut uniform) = uniform_of(view, params, output, scene, starlight)? else { continue };
+            for (bodies, count) in counts[index].into_iter().enumerate() {
                 if count == 0 {
                     continue;
                 }
+                let Some(mut uniform) = uniform_of(view, params, output, scene, starlight)? else { continue };
                 uniform.lift = lift;
                 let view_from_enu = DMat3::from_mat4(view.enu_from_view).transpose();
                 if bodies == 1 {
@@ -457,7 +478,9 @@ impl Points {
                     [view_from_list.x_axis, view_from_list.y_axis, view_from_list.z_axis]
                         .map(|v| v.as_vec3().to_array());
                 uniform.count = count as u32;
-                uniform.first = (index * together + bodies * counts[0]) as u32;
+                uniform.first = first as u32;
+                first += count;
+                uniform.runs = list_runs(&runs[index][bodies]);
                 if let Some(field) = field {
                     uniform.years = field.years_since_j2000 as f32;
                     uniform.beta = field.beta.as_vec3().to_array();
@@ -478,10 +501,11 @@ impl Points {
                     glare: physical && glare != Glare::None,
                     rays: physical && glare == Glare::Eye && params.ciliary_corona,
                     thesis: !physical,
+                    twinkling: uniform.scintillation > 0.0,
                 };
                 self.make(kind);
                 if bodies == 1 && !shown[index].is_empty() {
-                    let kind = Kind { glare: false, rays: false, thesis: false, ..kind };
+                    let kind = Kind { glare: false, rays: false, thesis: false, twinkling: false, ..kind };
                     if !self.disc_pipelines.contains_key(&kind) {
                         let pipeline = self.disc_pipeline(kind)?;
                         self.disc_pipelines.insert(kind, pipeline);
@@ -515,7 +539,7 @@ impl Points {
     }
 
     /// Values of the shaders' overrides; the first is the depth at infinity.
-    fn overrides(&self, kind: Kind) -> [(&'static str, f64); 16] {
+    fn overrides(&self, kind: Kind) -> [(&'static str, f64); 18] {
         let on = |yes: bool| f64::from(u8::from(yes));
         [
             ("far_depth", self.target.far_depth()),
@@ -529,9 +553,11 @@ impl Points {
             ("eclipses", on(kind.eclipsed)),
             ("night", on(kind.night)),
             ("tonemap_operator", f64::from(kind.tonemap as u32)),
+            ("target_is_srgb", on(self.target.colour.is_srgb())),
             ("with_glare", on(kind.glare)),
             ("with_corona_rays", on(kind.rays)),
             ("as_thesis", on(kind.thesis)),
+            ("twinkling", on(kind.twinkling)),
             self.constants[0],
             self.constants[1],
         ]
@@ -669,6 +695,62 @@ fn bind_groups(
     }
 }
 
+/// What a view may show of points.
+fn sight_of(
+    view: &View,
+    params: &StarsParams,
+    output: Output,
+    scene: &PointsScene<'_>,
+    lift: &BendingUniform,
+) -> Result<Sight, GpuError> {
+    let rows = rows_of(view);
+    let physical = params.psf == PointSpread::Physical;
+    let pixel_rad = view.degrees_per_pixel(rows as u32).to_radians();
+    let glare_rad = if physical && params.glare_for(output) != Glare::None { GLARE_FARTHEST_RAD } else { 0.0 };
+    let spread_rad = glare_rad + SPREAD_PX * pixel_rad + 10.0 * (params.seeing_arcsec / 3600.0).to_radians();
+    let lift_rad = lift.deviation.as_flattened().iter().fold(0f32, |most, &value| most.max(value.abs()));
+    // A view may stand apart from the observer.
+    let aside_m = view.enu_from_view.w_axis.truncate().length();
+    let altitude_m = scene.altitude_m.max(0.5) + aside_m;
+    let horizon_rad = himmel_air::geometry::horizon_cosine(scene.bottom_radius_m, altitude_m).asin();
+    let lowest_rad = horizon_rad - aside_m / scene.bottom_radius_m;
+    Sight::new(view, lowest_rad, spread_rad + f64::from(lift_rad), rows)
+}
+
+/// The magnitude of the faintest star that is drawn.
+fn faintest(field: &StarField, output: Output, sight: &Sight) -> f64 {
+    if field.params.psf == PointSpread::Thesis {
+        return field.params.limiting_magnitude;
+    }
+    let lost_lx = lost_share(output) * field.darkest_sky_cd_m2 * sight.pixel_sr;
+    field.params.limiting_magnitude.min(-2.5 * (lost_lx.max(1e-300) / ILLUMINANCE_OF_V_0_LX).log10())
+}
+
+/// How much brighter than the sky a star's light, spread over one pixel, must be to be drawn. Finished: a tenth of a step of 8 bits,
+/// as `points.wgsl` has it; linear: ten times less. Four times less for twinkling, and the rest of what darkens.
+fn lost_share(output: Output) -> f64 {
+    match output {
+        Output::Display => 5e-4,
+        Output::Radiance => 5e-5,
+    }
+}
+
+fn list_runs(runs: &[(usize, usize)]) -> [[[u32; 4]; 24]; 2] {
+    let mut listed = [[[u32::MAX; 4]; 24]; 2];
+    let mut start = 0;
+    for (slot, &(first, count)) in runs.iter().take(CELLS).enumerate() {
+        let pair = &mut listed[slot / 48][slot % 48 / 2];
+        (pair[2 * (slot % 2)], pair[2 * (slot % 2) + 1]) = (start as u32, first as u32);
+        start += count;
+    }
+    listed
+}
+
+/// Rows of a picture, or a guess that is not too many.
+fn rows_of(view: &View) -> f64 {
+    if view.rows_px == 0 { FEWEST_ROWS } else { f64::from(view.rows_px) }
+}
+
 /// What all lists of a view share; `None` for a projection that looks one way everywhere.
 fn uniform_of(
     view: &View,
@@ -696,7 +778,6 @@ fn uniform_of(
         glare_floor: GLARE_FLOOR as f32,
         glare_soft: GLARE_SOFT_RAD as f32,
         glare: [cube, square, GLARE_FARTHEST_RAD].map(|value| value as f32),
-        hiders: scene.hiders.len().min(MOST_HIDERS) as u32,
         hider,
         phases: [[phases[0], phases[1], phases[2], phases[3]], [phases[4], phases[5], phases[6], phases[7]]],
         shift: wavelength_shift(refraction_rad, scene.bending.ratio).map(|value| value as f32),
@@ -714,7 +795,7 @@ pub(crate) fn view_of_points(view: &View) -> Result<Option<PointsUniform>, GpuEr
     if linear && (area.is_nan() || area <= 1e-30) {
         return Ok(None);
     }
-    let rows = if view.rows_px == 0 { FEWEST_ROWS } else { f64::from(view.rows_px) };
+    let rows = rows_of(view);
     // Pixels are square.
     let aspect = if linear { x.length() / y.length() } else { view.aspect };
     Ok(Some(PointsUniform {

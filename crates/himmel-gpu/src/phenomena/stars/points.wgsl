@@ -8,6 +8,8 @@
 override with_glare: bool = false;
 override with_corona_rays: bool = false;
 override as_thesis: bool = false;
+// Whether any of them twinkle.
+override twinkling: bool = true;
 
 // A point as the list keeps it.
 struct PointLight {
@@ -23,9 +25,10 @@ struct PointLight {
     four: vec4f,
     // Full width of what is no point: a comet's coma, rad.
     width: f32,
+    // A number of its own.
+    number: f32,
     padding_0: f32,
     padding_1: f32,
-    padding_2: f32,
 }
 
 struct PointsUniform {
@@ -46,12 +49,12 @@ struct PointsUniform {
     observer_au: vec3f,
     // Softening of the glare, rad.
     glare_soft: f32,
-    // Glare: inverse cube, inverse square; farthest, rad; whether ground and discs hide points.
+    // Glare: inverse cube, inverse square; farthest, rad.
     glare: vec3f,
-    hiders: u32,
+    padding: u32,
     // Apparent minus true elevation, over true elevation.
     lift: BendingUniform,
-    // Discs before the points: unit vector without refraction; chord of the radius.
+    // Discs before the points: unit vector without refraction; chord of the radius, 0 where there is none.
     hider: array<vec4f, 4>,
     phases: array<vec4f, 2>,
     shift: vec4f,
@@ -70,6 +73,9 @@ struct PointsUniform {
     first: u32,
     // Bits of points that this view draws as discs.
     discs: vec4u,
+    // The runs of the list that this view may show, two in each: where they begin among the points that are moved, and in
+    // the list.
+    runs: array<vec4u, 48>,
 }
 
 // A point as a view sees it.
@@ -185,13 +191,6 @@ fn solid_angle_per_ndc(place: vec2f) -> f32 {
     return max(cos(place.y * 0.5 * PI), 0.25 * points.pixel.y) * 0.5 * PI * PI;
 }
 
-fn exposure_now() -> f32 {
-    if frame.exposure == 0.0 {
-        return textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
-    }
-    return frame.exposure;
-}
-
 fn luminance_of(rgb: vec3f) -> f32 {
     return dot(rgb, vec3f(0.2126, 0.7152, 0.0722));
 }
@@ -200,6 +199,9 @@ fn luminance_of(rgb: vec3f) -> f32 {
 fn finished_colour(exposed: vec3f) -> vec3f {
     let mapped = tonemap(frame.tonemap, clamp(exposed, vec3f(0.0), vec3f(1e30)), exposure_now());
     let encoded = clamp(mapped, vec3f(0.0), vec3f(1.0));
+    if !target_is_srgb {
+        return encoded;
+    }
     return select(encoded, srgb_decode(encoded), frame.encoding == 2u);
 }
 
@@ -209,32 +211,50 @@ fn air_transmittance(direction: vec3f, mu: f32) -> vec4f {
     return select(transmittance_to_space(start.altitude_m, start.mu), vec4f(1.0), start.misses);
 }
 
+fn run_of(slot: u32) -> vec2u {
+    let pair = points.runs[slot / 2u];
+    return select(pair.xy, pair.zw, (slot & 1u) == 1u);
+}
+
+// The place in the list of a point that is moved.
+fn listed(index: u32) -> u32 {
+    var slot = 0u;
+    for (var step = 64u; step > 0u; step /= 2u) {
+        let next = min(slot + step, 95u);
+        slot = select(slot, next, run_of(next).x <= index);
+    }
+    let run = run_of(slot);
+    return run.y + index - run.x;
+}
+
 @compute @workgroup_size(64)
 fn move_points(@builtin(global_invocation_id) id: vec3u) {
     let index = id.x;
     if index >= points.count {
         return;
     }
-    let point = point_list[index];
+    let place_in_list = listed(index);
+    let point = point_list[place_in_list];
     let moved = normalize(point.place + point.velocity * points.years - point.parallax * points.observer_au);
     let along = dot(moved, points.beta);
     let slow = 1.0 - 0.5 * dot(points.beta, points.beta);
     let aberrated = normalize(moved * slow + points.beta * (1.0 + 0.5 * along));
     let direction = aberrated.x * points.view_from_list_x + aberrated.y * points.view_from_list_y
         + aberrated.z * points.view_from_list_z;
-    let bits = points.discs[min(index / 32u, 3u)];
-    var hidden = index < 128u && ((bits >> (index % 32u)) & 1u) == 1u;
-    for (var i = 0u; i < points.hiders; i++) {
+    let bits = points.discs[min(place_in_list / 32u, 3u)];
+    var hidden = place_in_list < 128u && ((bits >> (place_in_list % 32u)) & 1u) == 1u;
+    // All four: an unused one has no radius.
+    for (var i = 0u; i < 4u; i++) {
         hidden = hidden || length(direction - points.hider[i].xyz) < points.hider[i].w;
     }
     let seen = lifted(direction);
     let mu = dot(seen, view.up);
     hidden = hidden || mu < view.horizon_mu;
     let place = picture_place(seen);
-    // A number of its own from its place in the list.
-    let seed = fract(f32(index) * 0.618033988 + 0.5);
+    // Spread over 0..1.
+    let seed = fract(point.number * 0.618033988 + 0.5);
     var four = point.four * air_transmittance(seen, mu);
-    if point.scintillation > 0.0 && points.scintillation > 0.0 {
+    if twinkling {
         let flicker = twinkle(
             seed, mu, points.scintillation, points.phases[0], points.phases[1], points.shift, points.strength);
         four *= mix(vec4f(1.0), flicker, point.scintillation);
@@ -299,13 +319,7 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
 
 // Luminance of the sky in a direction, for what is tone mapped together with it.
 fn sky_behind(direction: vec3f) -> vec3f {
-    var from_table = vec4f(0.0);
-    if !marching {
-        for (var light = 0u; light < frame.light_count; light++) {
-            from_table[light] = 1.0 / sky_view_scale(light);
-        }
-    }
-    return sky_luminance(from_table, direction, vec3f(0.0), vec3f(0.0));
+    return sky_luminance(table_scales(), direction, vec3f(0.0), vec3f(0.0));
 }
 
 // instance: equirectangular pictures draw each point twice, since it may lie on their seam.
