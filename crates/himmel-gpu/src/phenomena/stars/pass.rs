@@ -427,8 +427,9 @@ impl Points {
         }
         let counts: Vec<[usize; 2]> =
             runs.iter().map(|both| both.each_ref().map(|runs| runs.iter().map(|run| run.1).sum())).collect();
-        let together: usize = counts.as_flattened().iter().sum();
-        let bytes = together * size_of::<SeenPoint>();
+        // Room for all that any view may show: a frame allocates nothing.
+        let listed = stars.map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
+        let bytes = views.len() * (listed + body_count) * size_of::<SeenPoint>();
         if self.prepared.size() < bytes as u64 {
             self.prepared = list(&self.device, "seen points", bytes);
             self.bind();
