@@ -19,7 +19,7 @@ fn pixels(preset: &str, settings: &[(&str, &str)], output: Output) -> Pixels {
 fn radiance(name: &str, preset: &str, settings: &[(&str, &str)]) -> Result<(), GoldenError> {
     // Points have goldens of their own.
     let mut all = vec![("output.exposure", "none"), ("light.sun.disc", "off")];
-    all.extend([("night.stars.enabled", "off"), ("night.planets.enabled", "off")]);
+    all.extend([("night.stars.enabled", "off"), ("night.planets.enabled", "off"), ("body.moon.enabled", "off")]);
     all.extend(settings);
     let Pixels::Radiance(rgb) = pixels(preset, &all, Output::Radiance) else { unreachable!("radiance was asked for") };
     println!("{}", GoldenSet::of_workspace()?.check_exr(name, 256, 144, &rgb, Tolerance::default())?);
@@ -81,6 +81,13 @@ fn eclipse() -> Result<(), GoldenError> {
     let place = [("observer.place", "Mazatlan"), ("clock.time", "2024-04-08T18:09:30Z")];
     let camera = [("camera.look", "180,25"), ("camera.fov_deg", "100"), ("light.sun.disc", "on")];
     radiance("eclipse", "earth", &[&place[..], &camera[..]].concat())
+}
+
+/// A partial eclipse of the Moon: albedo, limb, penumbra, umbra, reddened by the air.
+#[test]
+fn moon() -> Result<(), GoldenError> {
+    let place = [("observer.place", "Potsdam"), ("clock.time", "2023-10-28T20:14Z"), ("body.moon.enabled", "on")];
+    radiance("moon", "earth", &[&place[..], &[("camera.look", "moon"), ("camera.fov_deg", "0.8")]].concat())
 }
 
 #[test]

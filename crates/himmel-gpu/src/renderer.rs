@@ -520,7 +520,8 @@ impl SkyRenderer {
             self.view_buffer = uniform_buffer(&self.device, "sky views", self.view_stride * self.capacity as u64);
             stale = true;
         }
-        let lights = frame.suns().count() as u32;
+        // Room for the Moon as a light is there before it rises.
+        let lights = frame.suns().count().max(1 + usize::from(frame.moon.is_some())) as u32;
         stale |= self.air.reserve(&self.device, stations.len() as u32, lights);
         stale |= frame.night.as_ref().is_some_and(|night| self.night.hold(&self.device, &self.queue, night));
         stale |= frame.moon.as_ref().is_some_and(|moon| self.moon.hold(&self.device, &self.queue, moon));

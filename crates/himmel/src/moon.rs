@@ -413,11 +413,9 @@ impl SkyModel {
         std::array::from_fn(|k| moon.irradiance[k] * through[k] * visible)
     }
 
-    /// The disc of a moon that is above the horizon.
+    /// The disc, wherever it stands: what it needs is there before it rises.
     pub(crate) fn moon_as_disc(&self, moon: Moon) -> Option<MoonState> {
-        let reach_deg = moon.state.radius_rad.to_degrees() + 1.0;
-        let seen = moon.altitude_deg + reach_deg > self.horizon_deg();
-        (self.scene().moon.disc && seen).then_some(moon.state)
+        self.scene().moon.disc.then_some(moon.state)
     }
 }
 

@@ -371,6 +371,7 @@ mod tests {
             let value = match &info.kind {
                 himmel_core::params::Kind::Number { range, whole } => {
                     let middle = 0.5 * (range.start().max(-1e3) + range.end().min(1e3));
+                    let middle = middle.clamp(*range.start(), *range.end());
                     (if *whole { middle.round() } else { middle }).to_string()
                 }
                 himmel_core::params::Kind::Flag => "false".into(),

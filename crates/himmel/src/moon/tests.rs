@@ -153,7 +153,7 @@ fn a_sun_by_hand_takes_the_moon_away_and_a_moon_by_hand_stays() {
     // Day: its light in the air is left out.
     let noon = model(&[("clock.time", "2024-04-18T12:00Z")]);
     let frame = noon.frame().unwrap();
-    assert!(frame.other_suns.is_empty() && frame.moon.is_none() == (noon.moon().unwrap().unwrap().altitude_deg < -1.5));
+    assert!(frame.other_suns.is_empty() && frame.moon.is_some());
 }
 
 #[test]

@@ -334,7 +334,7 @@ mod tests {
             for share in [0.0, 0.3, 0.9, 0.999] {
                 let side = centre.any_orthonormal_vector();
                 let sin = sine * share;
-                let ray = centre * (1.0 - sin * sin as f64).sqrt() + side * sin;
+                let ray = centre * (1.0 - sin * sin).sqrt() + side * sin;
                 let normal = sphere_normal(side * sin, centre, sine);
                 // The point on a sphere of radius `sine` at distance 1, along the ray.
                 let point = centre + normal * sine;
