@@ -35,11 +35,12 @@ fn disc_brightness(fraction: vec4f, c: array<vec4f, 6>) -> vec4f {
 
 // Radiance of disc and corona per unit irradiance of the star, 1/sr, averaged over a pixel. `ray`: unit vector of the
 // pixel, as it is seen; `dx`, `dy`: how it changes to the next pixel. A disc smaller than a pixel is widened to three
-// quarters of one, its flux kept.
+// quarters of one, corona and occluder with it; their flux is kept.
 fn bent_disc_radiance(ray: vec3f, dx: vec3f, dy: vec3f, disc: DiscUniform, bending: BendingUniform, c: array<vec4f, 6>) -> vec4f {
     let pixel = max(length(dx), length(dy));
     let drawn = max(disc.radius, 0.75 * pixel);
     let widened = drawn > disc.radius;
+    let scale = drawn / disc.radius;
     let height = clamp(dot(ray, disc.up), -1.0, 1.0);
     let level = disc.up - ray * height;
     // In the zenith nothing is bent, in no direction.
@@ -50,9 +51,13 @@ fn bent_disc_radiance(ray: vec3f, dx: vec3f, dy: vec3f, disc: DiscUniform, bendi
     let away = bent_lengths(base, dot(base, tangent), bend.xxxx).y;
     // Other colours stand up to 2 % of the deviation elsewhere.
     let reach = drawn + 2.0 * pixel + 0.05 * abs(bend.x);
-    let with_corona = disc.corona > 0.0 && !widened && away < 40.0 * disc.radius;
+    let with_corona = disc.corona > 0.0 && away < 40.0 * disc.radius;
     // A loop that ends at once, not a branch: rasterisers on CPUs skip only loops.
     let points = select(DISC_POINTS * DISC_POINTS, 0u, away > reach && !with_corona);
+    var visible = vec4f(1.0);
+    if widened && disc.occluder_radius > 0.0 {
+        visible = visible_part(length(disc.from_occluder) / disc.radius, disc.occluder_radius / disc.radius, c);
+    }
     var sum = vec4f(0.0);
     for (var i = 0u; i < points; i++) {
         let p = (vec2f(f32(i % DISC_POINTS), f32(i / DISC_POINTS)) + 0.5) / f32(DISC_POINTS) - 0.5;
@@ -61,19 +66,18 @@ fn bent_disc_radiance(ray: vec3f, dx: vec3f, dy: vec3f, disc: DiscUniform, bendi
         let deviation = (bend.x + bend.y * dot(aside, tangent)) * bending.ratio;
         let chord = bent_lengths(here, dot(here, tangent), deviation);
         let fraction = chord * (1.0 + chord * chord / 24.0) / drawn;
-        var light = disc_brightness(fraction, c);
+        var light = visible * disc_brightness(fraction, c);
         if with_corona {
             light += corona_brightness(fraction);
         }
-        if disc.occluder_radius > 0.0 && !widened {
-            let beside = here + disc.from_occluder;
+        if disc.occluder_radius > 0.0 {
+            let beside = here + scale * disc.from_occluder;
             let from_occluder = bent_lengths(beside, dot(beside, tangent), deviation);
-            light = select(light, vec4f(0.0), from_occluder < vec4f(disc.occluder_radius));
+            let hidden = from_occluder < vec4f(scale * disc.occluder_radius);
+            // Of a widened disc the part that is seen is known; the corona is hidden where the occluder stands.
+            light = select(light, select(vec4f(0.0), visible * disc_brightness(fraction, c), widened), hidden);
         }
         sum += light;
-    }
-    if widened && disc.occluder_radius > 0.0 {
-        sum *= visible_part(length(disc.from_occluder) / disc.radius, disc.occluder_radius / disc.radius, c);
     }
     // 2π (1 − cos r) by its series: exact to 1e-5 up to 0.4 rad.
     let solid_angle = 3.14159265 * drawn * drawn * (1.0 - drawn * drawn / 12.0);
