@@ -173,8 +173,11 @@ pub struct SkyRenderer {
     default_quality: AirQuality,
     pace: Pace,
     frame_buffer: wgpu::Buffer,
+    /// Of a view: what the air alone needs (more would be too many textures for `apply_air`), and all.
+    air_view_layout: wgpu::BindGroupLayout,
     view_layout: wgpu::BindGroupLayout,
     sampler: wgpu::Sampler,
+    air_view_group: wgpu::BindGroup,
     view_group: wgpu::BindGroup,
     view_buffer: wgpu::Buffer,
     view_stride: u64,
@@ -262,13 +265,11 @@ impl SkyRenderer {
         let frame_buffer = uniform_buffer(device, "sky frame", size_of::<FrameUniform>() as u64);
         let sizes = Air::sizes_of(atmosphere.quality().unwrap_or(default_quality), atmosphere.steps());
         let air = Air::new(device, queue, sizes, atmosphere, &frame_buffer, meter.exposure_view())?;
-        let view_slots: Vec<_> = [(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)]
-            .into_iter()
-            .chain(NightTextures::SLOTS)
-            .chain(MoonTextures::SLOTS)
-            .collect();
-        let view_layout =
-            layout(device, "sky view", wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE, &view_slots);
+        let air_slots = [(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)];
+        let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
+        let air_view_layout = layout(device, "air view", stages, &air_slots);
+        let view_slots: Vec<_> = air_slots.into_iter().chain(NightTextures::SLOTS).chain(MoonTextures::SLOTS).collect();
+        let view_layout = layout(device, "sky view", stages, &view_slots);
         let night = NightTextures::new(device);
         let moon = MoonTextures::new(device, queue);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
@@ -296,7 +297,8 @@ impl SkyRenderer {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let view_group = view_group(device, &view_layout, &view_buffer, &air, &sampler, &night, &moon);
+        let [air_view_group, view_group] =
+            view_groups(device, [&air_view_layout, &view_layout], &view_buffer, &air, &sampler, &night, &moon);
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
@@ -311,8 +313,10 @@ impl SkyRenderer {
             // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
             pace: Pace::Samples(if software { 5e5 } else { 1e7 }),
             frame_buffer,
+            air_view_layout,
             view_layout,
             sampler,
+            air_view_group,
             view_group,
             view_buffer,
             view_stride,
@@ -381,9 +385,9 @@ impl SkyRenderer {
 
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
-        self.view_group = view_group(
+        [self.air_view_group, self.view_group] = view_groups(
             &self.device,
-            &self.view_layout,
+            [&self.air_view_layout, &self.view_layout],
             &self.view_buffer,
             &self.air,
             &self.sampler,
@@ -689,7 +693,7 @@ impl SkyRenderer {
             )));
         };
         if self.apply.is_none() {
-            self.apply = Some(Apply::new(&self.device, &self.air, &self.view_layout)?);
+            self.apply = Some(Apply::new(&self.device, &self.air, &self.air_view_layout)?);
         }
         let Some(apply) = &mut self.apply else { return Err(GpuError::Device("no passes".into())) };
         let way = |altitude_m: f64| (altitude_m * (2.0 * self.bottom_radius_m + altitude_m)).max(0.0).sqrt();
@@ -700,7 +704,7 @@ impl SkyRenderer {
         let view_offset = ((view_index as u64 + 1) * self.view_stride) as u32;
         let marching = self.marching.get(view_index).copied().unwrap_or(true);
         let pictures = [colour_in, depth, colour_out];
-        let (group, views) = (&self.air.group, &self.view_group);
+        let (group, views) = (&self.air.group, &self.air_view_group);
         apply.record(
             &self.device,
             encoder,
@@ -878,20 +882,22 @@ fn uniform_buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer
     })
 }
 
-fn view_group(
+/// With what the air needs of a view, and with all.
+fn view_groups(
     device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
+    [air_layout, layout]: [&wgpu::BindGroupLayout; 2],
     buffer: &wgpu::Buffer,
     air: &Air,
     sampler: &wgpu::Sampler,
     night: &NightTextures,
     moon: &MoonTextures,
-) -> wgpu::BindGroup {
+) -> [wgpu::BindGroup; 2] {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
     let bound = [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
+    let air_group = bind(device, "air view", air_layout, &bound);
     let bound: Vec<_> = bound.into_iter().chain(night.bound()).chain(moon.bound()).collect();
-    bind(device, "sky view", layout, &bound)
+    [air_group, bind(device, "sky view", layout, &bound)]
 }
 
 /// The forms of the sky's pipeline.

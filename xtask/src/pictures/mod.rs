@@ -13,7 +13,7 @@ use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
 use sheets::{SHEETS, Sheet};
 
 pub const USAGE: &str = "cargo xtask pictures [NAME…] [--output FOLDER] [--kept FOLDER] [--noise PERCENT]
-    names: strip, orbit, mars-noon, mars-sunset, titan, titan-reference, haze, eclipse, moon, moon-2010,
+    names: strip, orbit-traced, mars-noon, mars-sunset, titan, titan-reference, haze, eclipse, moon, moon-2010,
            moon-2022, moon-2023; all of them without a name
     --output  where the JPEGs go (docs/images)
     --kept    where the tracer's samples are kept (target/pictures): a run that was stopped goes on where it was

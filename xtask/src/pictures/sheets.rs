@@ -51,7 +51,7 @@ pub const SHEETS: [Sheet; 12] = [
         ],
     },
     Sheet {
-        name: "orbit",
+        name: "orbit-traced",
         preset: "earth",
         size: [320, 180],
         traced: Some(2),
