@@ -17,7 +17,7 @@ use crate::medium::Medium;
 use crate::refraction::{Grazing, grazing};
 
 /// Rays past the planet.
-const RAYS: usize = 480;
+const RAYS: usize = 1920;
 /// Nodes over the azimuths of a ring that see the Sun.
 const AZIMUTHS: usize = 12;
 /// Nodes of [`ShadowLight`] over the distance from the axis.
@@ -227,9 +227,8 @@ mod tests {
         }
         // 10 to 13 magnitudes for clean air; brighter outwards, full outside.
         assert!((10.0..13.0).contains(&magnitude(light.at(1e6))) && (12.0..13.0).contains(&magnitude(light.at(0.0))));
-        // From 50 km on; on the axis, where rays from all round the Earth meet, it may be a little brighter.
         let of_node: Vec<f64> = (0..=160).map(|i| magnitude(light.at(f64::from(i) * 50e3))).collect();
-        assert!(of_node[1..].windows(2).all(|pair| pair[0] > pair[1]) && (of_node[0] - of_node[1]).abs() < 0.05);
+        assert!(of_node.windows(2).all(|pair| pair[0] > pair[1]));
         assert!(light.at(9e6) == [1.0; 4] && light.at(8.28e6).iter().all(|l| *l > 0.9999));
         let danjon = MEAN.moon_m
             * (1.01 * (6378.1366e3f64 / MEAN.moon_m).asin() + (6378.1366e3f64 / MEAN.star_m).asin()

@@ -149,7 +149,7 @@ struct Standing {
     up: DVec3,
     altitude_m: f64,
     /// Its tiles by what they need.
-    tiles: [Range<u32>; 6],
+    tiles: [Range<u32>; 7],
 }
 
 /// Staging buffers that frames use in turn: three frames may be recorded before the first is submitted.
@@ -199,7 +199,7 @@ pub struct SkyRenderer {
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     /// Of the metering view and each prepared one: its tiles by what they need.
-    tiles: Vec<[Range<u32>; 6]>,
+    tiles: Vec<[Range<u32>; 7]>,
     uploads: Uploads,
     /// The part of the frame's uniform that follows from the medium.
     colours: FrameUniform,
@@ -913,8 +913,10 @@ enum Variant {
     Aureole,
     /// Tiles near a light and at the horizon.
     Both,
-    /// Tiles with the Moon, off the horizon and far from other discs.
+    /// Tiles with the Moon, off the horizon and far from lights.
     Moon,
+    /// Tiles with the Moon near a light, off the horizon.
+    MoonInAureole,
     /// Tiles with a disc.
     Everything,
     /// The metering picture, marching.
@@ -924,9 +926,10 @@ enum Variant {
 }
 
 impl Variant {
-    const COUNT: usize = 9;
+    const COUNT: usize = 10;
     /// Those that draw a picture from the table together, in the order of [`Needs::SETS`].
-    const TILED: [Self; 6] = [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Moon, Self::Everything];
+    const TILED: [Self; 7] =
+        [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Moon, Self::MoonInAureole, Self::Everything];
 
     fn tiled(self) -> bool {
         Self::TILED.contains(&self)
@@ -988,7 +991,7 @@ impl Pipelines {
     /// Makes what the next frame of a matrix projection needs.
     fn make(&self, marching: bool) {
         let variants: &[Variant] = if marching { &[Variant::Marching] } else { &Variant::TILED };
-        for variant in variants.iter().filter(|variant| **variant != Variant::Moon) {
+        for variant in variants.iter().filter(|variant| !matches!(variant, Variant::Moon | Variant::MoonInAureole)) {
             self.get(
                 *variant,
                 Kind {

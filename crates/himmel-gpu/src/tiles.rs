@@ -47,15 +47,15 @@ pub(crate) struct Needs {
 impl Needs {
     /// All of it.
     pub(crate) const ALL: Self = Self { horizon: true, aureole: true, disc: true, moon: true };
-    /// The Moon by itself; at night it is one of the lights that have an aureole.
-    const MOON: Self = Self { horizon: false, aureole: true, disc: false, moon: true };
     /// Every set of needs that a tile may have, cheapest first.
-    pub(crate) const SETS: [Self; 6] = [
+    pub(crate) const SETS: [Self; 7] = [
         Self { horizon: false, aureole: false, disc: false, moon: false },
         Self { horizon: true, aureole: false, disc: false, moon: false },
         Self { horizon: false, aureole: true, disc: false, moon: false },
         Self { horizon: true, aureole: true, disc: false, moon: false },
-        Self::MOON,
+        // The Moon far from the Sun by day; at night it is itself a light with an aureole.
+        Self { horizon: false, aureole: false, disc: false, moon: true },
+        Self { horizon: false, aureole: true, disc: false, moon: true },
         Self::ALL,
     ];
 }
@@ -78,7 +78,7 @@ pub(crate) struct Tiles {
     /// First and last corner in cells: x₀, y₀, x₁, y₁ a byte each, from the lowest.
     pub rectangles: [[[u32; 4]; 12]; 6],
     /// Which rectangles have each of [`Needs::SETS`].
-    pub ranges: [Range<u32>; 6],
+    pub ranges: [Range<u32>; 7],
 }
 
 /// As many as there are tiles: undivided ones always have room.
@@ -221,19 +221,12 @@ impl<'a> Around<'a> {
         }
         let elevation = middle.dot(self.up).clamp(-1.0, 1.0).asin();
         let horizon = (elevation - self.horizon).abs() <= limits.horizon;
-        if !moons.is_empty() {
-            return if horizon { Needs::ALL } else { Needs::MOON };
+        let aureole =
+            self.lights.iter().filter_map(|light| light.direction).any(|light| middle.dot(light) > limits.aureole);
+        if !moons.is_empty() && horizon {
+            return Needs::ALL;
         }
-        Needs {
-            horizon,
-            aureole: self
-                .lights
-                .iter()
-                .filter_map(|light| light.direction)
-                .any(|light| middle.dot(light) > limits.aureole),
-            disc: false,
-            moon: false,
-        }
+        Needs { horizon, aureole, disc: false, moon: !moons.is_empty() }
     }
 }
 

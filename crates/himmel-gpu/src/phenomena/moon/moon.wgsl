@@ -86,10 +86,7 @@ fn moon_radiance(normal: vec3f, mu: f32, footprint: f32) -> vec4f {
     let albedo = ground.x * view.moon.albedo_scale;
     let smooth_mu_0 = dot(normal, view.moon.to_sun);
     var mu_0 = smooth_mu_0;
-    // Loops that end at once, as above. They hang on the ray too: lavapipe compiles a shader anew, each time it is bound, for the
-    // uniforms that a condition hangs on alone.
-    let somewhere = mu >= 0.0;
-    for (var i = 0u; i < select(0u, 1u, somewhere && view.moon.relief > 0.0); i++) {
+    for (var i = 0u; i < select(0u, 1u, view.moon.relief > 0.0); i++) {
         let slopes = (ground.yz * 255.0 - 128.0) / 127.0;
         let north = normalize(view.moon.body_z.xyz - normal * own.z + vec3f(1e-9));
         let east = cross(north, normal);
@@ -98,7 +95,7 @@ fn moon_radiance(normal: vec3f, mu: f32, footprint: f32) -> vec4f {
         mu_0 = max(dot(tilted, view.moon.to_sun), 0.0) * smoothstep(-0.07, 0.02, smooth_mu_0);
     }
     var shade = vec4f(1.0);
-    for (var i = 0u; i < select(0u, 1u, somewhere && view.moon.texels_per_radius > 0.0); i++) {
+    for (var i = 0u; i < select(0u, 1u, view.moon.texels_per_radius > 0.0); i++) {
         let from_axis = view.moon.offset + normal - view.moon.axis * dot(normal, view.moon.axis);
         let x = min(length(from_axis) * view.moon.texels_per_radius, view.moon.shadow_texels - 1.001);
         let texel = u32(x);
