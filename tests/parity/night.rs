@@ -84,3 +84,67 @@ fn by_day_there_is_no_night() {
     let at = |altitude: &'static str| model("earth", &[("light.sun.altitude_deg", altitude)]).frame().unwrap().night;
     assert!(at("10").is_none() && at("-2").is_none() && at("-4").is_some());
 }
+
+/// A light is drawn alike whichever of a frame's lights it is: full Moons light the sky as Suns do.
+#[test]
+fn a_second_light_is_drawn_as_the_first() {
+    let off = [("night.stars.enabled", "off"), ("night.planets.enabled", "off"), ("body.moon.enabled", "off")];
+    let settings = [("light.sun.altitude_deg", "20"), ("output.width_px", "96"), ("output.height_px", "54")];
+    let model = model("earth", &[&off[..], &settings, &[("output.exposure", "none")]].concat());
+    let (view, frame) = (model.view().unwrap(), model.frame().unwrap());
+    let mut still = Still::new(gpu(), Output::Radiance, model.atmosphere()).unwrap();
+    let mut draw = |frame| {
+        let picture = still.render(frame, &view, 96, 54, &mut |_| true).unwrap();
+        let Pixels::Radiance(rgb) = picture.pixels else { panic!("radiance was asked for") };
+        rgb
+    };
+    let first = draw(&frame);
+    let mut second = frame.clone();
+    second.other_suns = vec![frame.sun];
+    second.sun.irradiance = [0.0; 4];
+    second.sun.direction.z *= -1.0;
+    second.sun.disc_direction = second.sun.direction;
+    let second = draw(&second);
+    let worst = first.iter().zip(&second).map(|(a, b)| (b / a - 1.0).abs()).fold(0.0, f32::max);
+    assert!(worst < 1e-4, "{worst}");
+}
+
+/// The grid of frames in real time against pixels that evaluate the glow, below a sky and above a horizon, with a Moon before it.
+#[test]
+fn the_grid_interpolates_the_glow() {
+    let off = [("night.stars.enabled", "off"), ("night.planets.enabled", "off")];
+    let size = [("output.width_px", "320"), ("output.height_px", "180"), ("output.exposure", "none")];
+    for (name, settings, worst) in [
+        (
+            "zodiacal light",
+            &[("night.milky_way.enabled", "off"), ("camera.look", "280,20"), ("camera.fov_deg", "60")][..],
+            2e-3,
+        ),
+        // Texels of 0.09° are averaged over the grid's spacing.
+        ("heart of the Milky Way", &[("camera.look", "170,80"), ("camera.fov_deg", "60")], 0.2),
+        ("the Moon", &[("clock.time", "2012-07-25T02:00Z"), ("camera.look", "moon"), ("camera.fov_deg", "10")], 2e-2),
+    ] {
+        let model = model("earth", &[&NIGHT[..], &off, &size, settings].concat());
+        let (view, frame) = (model.view().unwrap(), model.frame().unwrap());
+        let mut still = Still::new(gpu(), Output::Radiance, model.atmosphere()).unwrap();
+        let mut draw = |grid| {
+            still.renderer().set_night_grid(grid);
+            let Pixels::Radiance(rgb) = still.render(&frame, &view, 320, 180, &mut |_| true).unwrap().pixels else {
+                panic!("radiance was asked for")
+            };
+            rgb
+        };
+        let (pixels, grid) = (draw(false), draw(true));
+        let mut errors: Vec<f32> = pixels.iter().zip(&grid).skip(1).step_by(3).map(|(a, b)| b / a - 1.0).collect();
+        let mean = errors.iter().sum::<f32>() / errors.len() as f32;
+        errors.iter_mut().for_each(|error| *error = error.abs());
+        errors.sort_by(f32::total_cmp);
+        let (median, p99) = (errors[errors.len() / 2], errors[errors.len() * 99 / 100]);
+        println!(
+            "{name}: mean {mean:.1e}, median {median:.1e}, 99 % {p99:.1e}, worst {:.1e}",
+            errors[errors.len() - 1]
+        );
+        assert!(grid != pixels, "{name} has no grid");
+        assert!(mean.abs() < 2e-3 && p99 < worst, "{name}: {mean} {p99}");
+    }
+}

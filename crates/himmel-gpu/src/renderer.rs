@@ -1,7 +1,8 @@
 //! The renderer: made once for a target, prepared each frame, drawn for each view.
 
+use std::collections::HashMap;
 use std::ops::Range;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use glam::DVec3;
 use himmel_air::eclipse::Shadow;
@@ -18,6 +19,7 @@ use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::cleared;
 use crate::phenomena::moon::{MoonState, MoonTextures, MoonUniform};
+use crate::phenomena::night_glow::grid::{self, NightGrid};
 use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
 use crate::phenomena::overlay::{Lines, Overlay};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
@@ -150,6 +152,8 @@ struct Standing {
     altitude_m: f64,
     /// Its tiles by what they need.
     tiles: [Range<u32>; 7],
+    /// Whether the night's glow may come from a grid.
+    grid: bool,
 }
 
 /// Staging buffers that frames use in turn: three frames may be recorded before the first is submitted.
@@ -170,6 +174,10 @@ pub struct SkyRenderer {
     air: Air,
     moon: MoonTextures,
     night: NightTextures,
+    /// Made when a night is first drawn in tiles.
+    night_grid: Option<NightGrid>,
+    with_grid: bool,
+    no_grid: wgpu::TextureView,
     default_quality: AirQuality,
     pace: Pace,
     frame_buffer: wgpu::Buffer,
@@ -179,6 +187,8 @@ pub struct SkyRenderer {
     sampler: wgpu::Sampler,
     air_view_group: wgpu::BindGroup,
     view_group: wgpu::BindGroup,
+    /// All but the night's grid.
+    gridless_group: wgpu::BindGroup,
     view_buffer: wgpu::Buffer,
     view_stride: u64,
     capacity: usize,
@@ -195,11 +205,13 @@ pub struct SkyRenderer {
     eclipsed: bool,
     by_night: bool,
     occluded: bool,
-    with_moon: bool,
+    with_moon: Option<Moon>,
     /// Of each prepared view: whether its pixels march their own rays.
     marching: Vec<bool>,
     /// Of the metering view and each prepared one: its tiles by what they need.
     tiles: Vec<[Range<u32>; 7]>,
+    /// Of each prepared view: whether the night's glow comes from its grid.
+    gridded: Vec<bool>,
     uploads: Uploads,
     /// The part of the frame's uniform that follows from the medium.
     colours: FrameUniform,
@@ -268,7 +280,8 @@ impl SkyRenderer {
         let air_slots = [(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)];
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let air_view_layout = layout(device, "air view", stages, &air_slots);
-        let view_slots: Vec<_> = air_slots.into_iter().chain(NightTextures::SLOTS).chain(MoonTextures::SLOTS).collect();
+        let view_slots: Vec<_> =
+            air_slots.into_iter().chain(NightTextures::SLOTS).chain(MoonTextures::SLOTS).chain([grid::SLOT]).collect();
         let view_layout = layout(device, "sky view", stages, &view_slots);
         let night = NightTextures::new(device);
         let moon = MoonTextures::new(device, queue);
@@ -285,7 +298,7 @@ impl SkyRenderer {
             layout: pipeline_layout,
             module,
             constants: air.constants(),
-            made: none_made(),
+            made: Mutex::default(),
         };
         pipelines.make(air.sizes.sky_view.is_none());
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
@@ -297,8 +310,17 @@ impl SkyRenderer {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let [air_view_group, view_group] =
-            view_groups(device, [&air_view_layout, &view_layout], &view_buffer, &air, &sampler, &night, &moon);
+        let no_grid = grid::no_grid(device);
+        let [air_view_group, view_group, gridless_group] = view_groups(
+            device,
+            [&air_view_layout, &view_layout],
+            &view_buffer,
+            &air,
+            &sampler,
+            &night,
+            &moon,
+            [&no_grid, &no_grid],
+        );
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
@@ -309,6 +331,9 @@ impl SkyRenderer {
             air,
             moon,
             night,
+            night_grid: None,
+            with_grid: true,
+            no_grid,
             default_quality,
             // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
             pace: Pace::Samples(if software { 5e5 } else { 1e7 }),
@@ -318,6 +343,7 @@ impl SkyRenderer {
             sampler,
             air_view_group,
             view_group,
+            gridless_group,
             view_buffer,
             view_stride,
             capacity: FIRST_CAPACITY,
@@ -332,9 +358,10 @@ impl SkyRenderer {
             eclipsed: false,
             by_night: false,
             occluded: false,
-            with_moon: false,
+            with_moon: None,
             marching: Vec::new(),
             tiles: Vec::new(),
+            gridded: Vec::new(),
             uploads: Uploads {
                 // Room for a frame's uniforms with a few views, so that one chunk serves a frame.
                 belts: std::array::from_fn(|_| StagingBelt::new(device.clone(), 16 * 1024)),
@@ -357,7 +384,8 @@ impl SkyRenderer {
             self.bind_views();
             if self.pipelines.constants != self.air.constants() {
                 self.pipelines.constants = self.air.constants();
-                self.pipelines.made = none_made();
+                self.pipelines.made = Mutex::default();
+                self.night_grid = None;
             }
             self.pipelines.make(self.air.sizes.sky_view.is_none());
             self.apply = None;
@@ -385,7 +413,8 @@ impl SkyRenderer {
 
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
-        [self.air_view_group, self.view_group] = view_groups(
+        let grid = self.night_grid.as_ref().and_then(NightGrid::view).unwrap_or(&self.no_grid);
+        [self.air_view_group, self.view_group, self.gridless_group] = view_groups(
             &self.device,
             [&self.air_view_layout, &self.view_layout],
             &self.view_buffer,
@@ -393,6 +422,7 @@ impl SkyRenderer {
             &self.sampler,
             &self.night,
             &self.moon,
+            [grid, &self.no_grid],
         );
     }
 
@@ -404,6 +434,7 @@ impl SkyRenderer {
     /// Memory of its tables in bytes, with the buffers that fill them.
     pub fn table_bytes(&self) -> u64 {
         let own = self.air.bytes() + self.moon.bytes() + self.night.bytes() + self.points.bytes();
+        let own = own + self.night_grid.as_ref().map_or(0, NightGrid::bytes);
         own + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
@@ -451,6 +482,13 @@ impl SkyRenderer {
         self.pace = pace;
     }
 
+    /// Whether the glow between the stars comes from a grid of 384 × 216 points that pixels interpolate (the default), or is evaluated
+    /// in each pixel: four times as dear on a rasteriser, and the Milky Way as sharp as its map, 0.09°. Perspective views in the air
+    /// have a grid, up to eight a frame. [`Still`](crate::Still) has none.
+    pub fn set_night_grid(&mut self, on: bool) {
+        self.with_grid = on;
+    }
+
     /// Records the rebuilding of the air's tables without drawing, as much as the pace allows.
     pub fn build(&mut self, encoder: &mut wgpu::CommandEncoder) {
         self.uploads.begin();
@@ -496,15 +534,22 @@ impl SkyRenderer {
         let whole = View { part: [0.0, 0.0, 1.0, 1.0], first_pixel: [0, 0], ..views[0] };
         let mut uniforms = Vec::with_capacity(views.len() + 1);
         let mut ranges = Vec::with_capacity(views.len() + 1);
+        let mut gridded = vec![false];
+        let mut grids = 0;
         let mut stations: Vec<(f64, DVec3, usize)> = Vec::new();
         for view in std::iter::once(&whole).chain(views) {
             view.check()?;
-            let Standing { mut uniform, up, altitude_m, tiles } =
+            let Standing { mut uniform, up, altitude_m, tiles, grid } =
                 self.view_uniform(frame, view, !uniforms.is_empty())?;
             // Views that stand as good as in the same place (the faces of a cube, two eyes) share their tables.
             let near = |&(other_m, other_up, _): &(f64, DVec3, usize)| {
                 (altitude_m - other_m).abs() < 1e-4 * (altitude_m + 10.0) && (up - other_up).length() < 1e-6
             };
+            gridded.extend((!uniforms.is_empty()).then_some(grid && grids < grid::MOST_VIEWS));
+            if gridded.last() == Some(&true) {
+                uniform.night_layer = grids;
+                grids += 1;
+            }
             let known = stations.iter().position(near);
             uniform.station = known.unwrap_or(stations.len()) as u32;
             if known.is_none() {
@@ -524,10 +569,18 @@ impl SkyRenderer {
             self.view_buffer = uniform_buffer(&self.device, "sky views", self.view_stride * self.capacity as u64);
             stale = true;
         }
+        let lights = frame.suns().count() as u32;
         // Room for the Moon as a light is there before it rises.
-        let lights = frame.suns().count().max(1 + usize::from(frame.moon.is_some())) as u32;
-        stale |= self.air.reserve(&self.device, stations.len() as u32, lights);
+        let room = lights.max(1 + u32::from(frame.moon.is_some()));
+        stale |= self.air.reserve(&self.device, stations.len() as u32, room);
         stale |= frame.night.as_ref().is_some_and(|night| self.night.hold(&self.device, &self.queue, night));
+        if grids > 0 {
+            let grid = match self.night_grid.take() {
+                Some(grid) => grid,
+                None => NightGrid::new(&self.device, [&self.air.layout, &self.view_layout], &self.air.constants())?,
+            };
+            stale |= self.night_grid.insert(grid).reserve(&self.device, grids);
+        }
         stale |= frame.moon.as_ref().is_some_and(|moon| self.moon.hold(&self.device, &self.queue, moon));
         if stale {
             self.bind_views();
@@ -543,7 +596,7 @@ impl SkyRenderer {
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
         }
         let marching: Vec<bool> = uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0).collect();
-        self.prepare_points(encoder, frame, views, &marching, lights > 1)?;
+        self.prepare_points(encoder, frame, views, &marching, lights)?;
         if let Some(night) = &frame.night {
             let uniform = NightUniform::new(night);
             self.uploads.write(encoder, &self.night.buffer, 0, bytemuck::bytes_of(&uniform));
@@ -567,15 +620,30 @@ impl SkyRenderer {
             self.air.stations.record_sky_view(&mut pass, &self.air.group, offset, lights);
         }
         drop(pass);
+        if let Some(grid) = self.night_grid.as_ref().filter(|_| grids > 0) {
+            let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
+                label: Some("night glow"),
+                timestamp_writes: stamps.as_deref_mut().and_then(|stamps| stamps.next_compute("night glow")),
+            });
+            for slot in (0..gridded.len()).filter(|&slot| gridded[slot]) {
+                let offset = (slot as u64 * self.view_stride) as u32;
+                grid.record(&mut pass, &self.air.group, &self.gridless_group, offset);
+            }
+        }
         self.lights = lights;
         self.tonemap = frame.output.tonemap;
         self.eclipsed = frame.shadow.is_some();
         self.by_night = frame.night.is_some();
         self.occluded = frame.occluder.is_some();
-        self.with_moon = frame.moon.is_some();
+        self.with_moon = frame.moon.as_ref().map(|moon| Moon {
+            radius_rad: moon.radius_rad,
+            relief: moon.maps.normals.is_some() && moon.relief > 0.0,
+            eclipsed: moon.eclipse.is_some(),
+        });
         self.views.clear();
         self.views.extend_from_slice(views);
         self.tiles = ranges;
+        self.gridded = gridded;
         self.marching = marching;
         match exposure {
             None => self.record_metering(encoder, stamps.as_deref_mut()),
@@ -601,7 +669,7 @@ impl SkyRenderer {
         frame: &FrameState,
         views: &[View],
         marching: &[bool],
-        several_lights: bool,
+        lights: u32,
     ) -> Result<(), GpuError> {
         let scene = PointsScene {
             stars: frame.stars.as_ref(),
@@ -611,7 +679,7 @@ impl SkyRenderer {
             bending: &frame.bending,
             altitude_m: frame.altitude_m,
             bottom_radius_m: self.bottom_radius_m,
-            several_lights,
+            lights,
             eclipsed: frame.shadow.is_some(),
             night: frame.night.is_some(),
             tonemap: frame.output.tonemap,
@@ -735,17 +803,34 @@ impl SkyRenderer {
         let projection = self.views.get(view_index).map(|view| view.projection);
         Kind {
             linear: matches!(projection, Some(Projection::Matrix(_))),
-            several_lights: self.lights > 1,
+            lights: self.lights,
             tonemap: self.tonemap,
             eclipsed: self.eclipsed,
             night: self.by_night,
+            grid: self.gridded.get(view_index + 1).copied().unwrap_or(false),
             occluded: self.occluded,
-            moon: self.with_moon,
+            moon: self.with_moon.map(|moon| {
+                let view = self.views.get(view_index);
+                let pixel_rad = view.map_or(1e-3, |view| match view.rows_px {
+                    // A guess on the safe side.
+                    0 => 3.0 * view.degrees_per_pixel(PICTURE_ROWS).to_radians(),
+                    rows => view.degrees_per_pixel(rows).to_radians(),
+                });
+                let radius_px = moon.radius_rad / pixel_rad;
+                let side = if radius_px < 3.0 {
+                    8
+                } else if radius_px < 8.0 {
+                    4
+                } else {
+                    1
+                };
+                MoonKind { side, relief: moon.relief, eclipsed: moon.eclipsed }
+            }),
         }
     }
 
     fn set_slot(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, kind: Kind, slot: usize) {
-        pass.set_pipeline(self.pipelines.get(variant, kind));
+        pass.set_pipeline(&self.pipelines.get(variant, kind));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
     }
@@ -818,14 +903,22 @@ impl SkyRenderer {
                 reach_rad: 1.1 * moon.radius_rad,
             }))
             .collect();
-        let rows = if view.rows_px > 0 { view.rows_px } else { PICTURE_ROWS };
-        let pixel_rad = view.degrees_per_pixel(rows).to_radians();
-        let [icrs_from_view, ecliptic_from_view] =
-            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu, pixel_rad));
         let within = altitude_m < MARCH_ABOVE_M.min(MARCH_ABOVE_SHARE * self.top_altitude_m);
         // An eclipse is not the same on both sides of the Sun.
         let sky_view = within && self.air.sizes.sky_view.is_some() && frame.shadow.is_none();
-        let tiles = if sky_view && tiled { Tiles::new(view, up, horizon, &tile_lights)? } else { Tiles::default() };
+        let linear = matches!(view.projection, Projection::Matrix(_));
+        let grid = self.with_grid && sky_view && tiled && linear && frame.night.is_some();
+        let clear = if grid { grid::SPACING_OF_TILE } else { 0.0 };
+        let tiles =
+            if sky_view && tiled { Tiles::new(view, up, horizon, &tile_lights, clear)? } else { Tiles::default() };
+        let rows = if view.rows_px > 0 { view.rows_px } else { PICTURE_ROWS };
+        let mut sample_rad = view.degrees_per_pixel(rows).to_radians();
+        if grid {
+            sample_rad = sample_rad.max(grid::spacing_rad(view));
+        }
+        let [icrs_from_view, ecliptic_from_view] =
+            frame.night.as_ref().map_or_else(Default::default, |night| night.axes(view_from_enu, sample_rad));
+        let night_unit = frame.night.as_ref().map_or(1.0, |night| self.night_unit(night));
         let (projection, half_angle) = match view.projection {
             Projection::Matrix(_) => (0, 0.0),
             Projection::Fisheye(span) => (1, 0.5 * span as f32),
@@ -850,6 +943,7 @@ impl SkyRenderer {
             horizon: horizon as f32,
             horizon_mu: horizon_mu as f32,
             rectangles: tiles.rectangles,
+            night_unit,
             icrs_from_view,
             ecliptic_from_view,
             lights,
@@ -869,7 +963,22 @@ impl SkyRenderer {
                 .map_or_else(MoonUniform::default, |moon| MoonUniform::new(moon, &frame.bending, view_from_enu)),
             ..ViewUniform::default()
         };
-        Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges })
+        Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges, grid })
+    }
+
+    /// Luminance of about the glow of a night, cd/m²: half floats hold a grid in units of it.
+    fn night_unit(&self, night: &NightGlow) -> f32 {
+        let [r, g, b] =
+            [&self.colours.rec709_from_four_r, &self.colours.rec709_from_four_g, &self.colours.rec709_from_four_b].map(
+                |row| {
+                    row.iter()
+                        .zip(night.diffuse)
+                        .zip(night.pollution)
+                        .map(|((c, d), p)| c * (d + p) as f32)
+                        .sum::<f32>()
+                },
+            );
+        (0.2126 * r + 0.7152 * g + 0.0722 * b).max(1e-8)
     }
 }
 
@@ -882,7 +991,8 @@ fn uniform_buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer
     })
 }
 
-/// With what the air needs of a view, and with all.
+/// With what the air needs of a view, and with all, once with each of two grids of the night's glow.
+#[expect(clippy::too_many_arguments, reason = "everything that is bound")]
 fn view_groups(
     device: &wgpu::Device,
     [air_layout, layout]: [&wgpu::BindGroupLayout; 2],
@@ -891,17 +1001,22 @@ fn view_groups(
     sampler: &wgpu::Sampler,
     night: &NightTextures,
     moon: &MoonTextures,
-) -> [wgpu::BindGroup; 2] {
+    grids: [&wgpu::TextureView; 2],
+) -> [wgpu::BindGroup; 3] {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
     let bound = [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
     let air_group = bind(device, "air view", air_layout, &bound);
     let bound: Vec<_> = bound.into_iter().chain(night.bound()).chain(moon.bound()).collect();
-    [air_group, bind(device, "sky view", layout, &bound)]
+    let [with, without] = grids.map(|grid| {
+        let bound: Vec<_> = bound.iter().copied().chain([(grid::SLOT.0, Bound::View(grid))]).collect();
+        bind(device, "sky view", layout, &bound)
+    });
+    [air_group, with, without]
 }
 
 /// The forms of the sky's pipeline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Variant {
     /// Every pixel marches its ray.
     Marching,
@@ -926,7 +1041,6 @@ enum Variant {
 }
 
 impl Variant {
-    const COUNT: usize = 10;
     /// Those that draw a picture from the table together, in the order of [`Needs::SETS`].
     const TILED: [Self; 7] =
         [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Moon, Self::MoonInAureole, Self::Everything];
@@ -950,6 +1064,25 @@ impl Variant {
     }
 }
 
+/// The prepared frame's Moon.
+#[derive(Clone, Copy, Debug)]
+struct Moon {
+    radius_rad: f64,
+    relief: bool,
+    eclipsed: bool,
+}
+
+/// What pipelines with the Moon differ in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct MoonKind {
+    /// Points along a pixel's side.
+    side: u32,
+    /// Whether its ground has relief.
+    relief: bool,
+    /// Whether the Earth's shadow is near.
+    eclipsed: bool,
+}
+
 /// The sky's pipelines, made when they are first needed.
 struct Pipelines {
     device: wgpu::Device,
@@ -958,19 +1091,18 @@ struct Pipelines {
     module: wgpu::ShaderModule,
     /// Of the air in hand.
     constants: [(&'static str, f64); 2],
-    made: Made,
+    made: Mutex<Made>,
 }
 
-/// Pipelines by [`Kind`] and variant.
-type Made = [[OnceLock<wgpu::RenderPipeline>; Variant::COUNT]; 64 * Tonemap::ALL.len()];
+type Made = HashMap<(Variant, Kind), wgpu::RenderPipeline>;
 
 /// What else pipelines differ in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct Kind {
     /// Whether the projection is a matrix.
     linear: bool,
-    /// Whether there is more than one light.
-    several_lights: bool,
+    /// Lights of the frame.
+    lights: u32,
     /// How finished pictures are tone mapped.
     tonemap: Tonemap,
     /// Whether something stands before the Sun for the air …
@@ -978,13 +1110,11 @@ struct Kind {
     /// … and for its disc.
     occluded: bool,
     /// Whether the Moon is in the picture: asked by pipelines that may draw it only.
-    moon: bool,
+    moon: Option<MoonKind>,
     /// Whether the night glows.
     night: bool,
-}
-
-fn none_made() -> Made {
-    std::array::from_fn(|_| std::array::from_fn(|_| OnceLock::new()))
+    /// Whether pipelines without horizon read its glow from the grid.
+    grid: bool,
 }
 
 impl Pipelines {
@@ -996,31 +1126,29 @@ impl Pipelines {
                 *variant,
                 Kind {
                     linear: true,
-                    several_lights: false,
+                    lights: 1,
                     tonemap: OutputParams::default().tonemap,
                     eclipsed: false,
                     night: false,
+                    grid: false,
                     occluded: false,
-                    moon: false,
+                    moon: None,
                 },
             );
         }
     }
 
-    fn get(&self, variant: Variant, kind: Kind) -> &wgpu::RenderPipeline {
-        let kind = Kind { moon: kind.moon && variant.has().moon, ..kind };
-        let at = usize::from(kind.linear)
-            + 2 * usize::from(kind.several_lights)
-            + 4 * usize::from(kind.eclipsed)
-            + 8 * usize::from(kind.occluded)
-            + 16 * usize::from(kind.night)
-            + 32 * usize::from(kind.moon)
-            + 64 * kind.tonemap as usize;
-        self.made[at][variant as usize].get_or_init(|| {
+    fn get(&self, variant: Variant, kind: Kind) -> wgpu::RenderPipeline {
+        let has = variant.has();
+        let kind =
+            Kind { moon: kind.moon.filter(|_| has.moon), grid: kind.grid && variant.tiled() && !has.horizon, ..kind };
+        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
+        let pipeline = made.entry((variant, kind)).or_insert_with(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
             sky_pipeline(&self.device, &self.module, &self.layout, target, variant, kind, self.constants)
-        })
+        });
+        pipeline.clone()
     }
 }
 
@@ -1037,18 +1165,29 @@ fn sky_pipeline(
     let Needs { horizon, aureole, disc, moon: _ } = variant.has();
     let marching = ("marching", on(variant.marching()));
     let metering = ("metering", on(variant.metering()));
-    let vertex_constants = vec![("tiled", on(variant.tiled())), ("far_depth", target.far_depth()), marching, metering];
+    let vertex_constants = vec![
+        ("tiled", on(variant.tiled())),
+        ("far_depth", target.far_depth()),
+        ("light_count", f64::from(kind.lights)),
+        ("with_moon", on(kind.moon.is_some())),
+        ("with_horizon", on(horizon)),
+        marching,
+        metering,
+        groups,
+        aerosols,
+    ];
     let constants = vec![
         ("with_horizon", on(horizon)),
         ("with_aureole", on(aureole)),
         ("with_disc", on(disc)),
         ("linear", on(kind.linear)),
         ("finished", on(target.output == Output::Display)),
-        ("several_lights", on(kind.several_lights)),
+        ("light_count", f64::from(kind.lights)),
         ("eclipses", on(kind.eclipsed)),
         ("night", on(kind.night)),
+        ("night_grid", on(kind.grid)),
         ("occluded", on(kind.occluded)),
-        ("with_moon", on(kind.moon)),
+        ("with_moon", on(kind.moon.is_some())),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),
         ("target_is_srgb", on(target.colour.is_srgb())),
         marching,
@@ -1056,6 +1195,10 @@ fn sky_pipeline(
         groups,
         aerosols,
     ];
+    let constants = constants.into_iter().chain(kind.moon.into_iter().flat_map(|moon| {
+        [("moon_side", f64::from(moon.side)), ("moon_relief", on(moon.relief)), ("moon_eclipsed", on(moon.eclipsed))]
+    }));
+    let constants: Vec<_> = constants.collect();
     let options = |constants| wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(if variant.metering() { "sky, metering" } else { "sky" }),

@@ -27,13 +27,14 @@ override with_disc: bool = true;
 // Whether the projection is linear (a matrix): every other costs more.
 override linear: bool = false;
 
-// Whether there may be more than one light. One alone is read in place: rasterisers on CPUs gather what a loop indexes.
-override several_lights: bool = false;
+// How many lights the frame has: a constant, so that loops over them unroll and one alone is read in place.
+override light_count: u32 = 1u;
 
 // Whether the Moon is in the picture.
 override with_moon: bool = false;
-// Whether the night's own glow is drawn.
+// Whether the night's own glow is drawn, and whether it is read from its grid.
 override night: bool = false;
+override night_grid: bool = false;
 
 // Cells along the sides of a picture; the same in tiles.rs.
 const CELLS: vec2u = vec2u(64u, 72u);
@@ -45,6 +46,14 @@ struct SkyVertex {
     @location(1) @interpolate(flat) exposure: f32,
     // … and what the light of the sky-view table is to be multiplied by, for each light.
     @location(2) @interpolate(flat) from_table: vec4f,
+    // Where the pixel lies in the night's grid.
+    @location(3) night_uv: vec2f,
+    // Of pipelines for the Moon off the horizon: logarithm of what the air leaves of it, by powers of its elevation as `moon_elevation`
+    // has it.
+    @location(4) @interpolate(flat) moon_ln_0: vec4f,
+    @location(5) @interpolate(flat) moon_ln_1: vec4f,
+    @location(6) @interpolate(flat) moon_ln_2: vec4f,
+    @location(7) @interpolate(flat) moon_ln_3: vec4f,
 }
 
 @vertex
@@ -59,11 +68,14 @@ fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instan
         ndc = vec2f(select(low, high, far)) / vec2f(CELLS) * 2.0 - 1.0;
     }
     let exposure = select(exposure_now(), frame.exposure, metering);
-    return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc, exposure, table_scales());
+    let dimming = moon_dimming();
+    return SkyVertex(
+        vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc, exposure, table_scales(), night_grid_uv(ndc),
+        dimming[0], dimming[1], dimming[2], dimming[3]);
 }
 
-// Factor on luminance. It is chosen, not branched on: lavapipe compiles a shader anew, each time it is bound, for the uniforms that its
-// branches and the bounds of its loops hang on.
+// Factor on luminance. It is chosen, not branched on: lavapipe 22.3 compiles a shader anew each time it is bound if a branch or the
+// bound of a loop hangs on uniforms and constants alone (`update_inline_shader_state` in Mesa's lvp_execute.c).
 fn exposure_now() -> f32 {
     let metered = textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
     return select(frame.exposure, metered, frame.exposure == 0.0);
@@ -74,10 +86,8 @@ fn table_scales() -> vec4f {
     var scales = vec4f(0.0);
     if !marching {
         scales[0] = 1.0 / sky_view_scale(0u);
-        if several_lights {
-            for (var light = 1u; light < frame.light_count; light++) {
-                scales[light] = 1.0 / sky_view_scale(light);
-            }
+        for (var light = 1u; light < light_count; light++) {
+            scales[light] = 1.0 / sky_view_scale(light);
         }
     }
     return scales;
@@ -117,24 +127,50 @@ fn inside(ndc: vec2f, pixel: f32) -> f32 {
     return clamp(0.5 + (1.0 - length(ndc * vec2f(view.aspect, 1.0))) / max(pixel, 1e-9), 0.0, 1.0);
 }
 
+// How much of the pixel the Moon covers, for the night's grid.
+var<private> moon_cover: f32 = 0.0;
+// As SkyVertex has it.
+var<private> moon_ln: array<vec4f, 4>;
+
 // Radiance along a ray with zenith cosine mu, all lights. `below`: whether it meets the ground.
 fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, sin_theta: f32, below: bool) -> vec4f {
     var sum = light_radiance(0u, from_table.x, ray, dx, dy, mu, sin_theta, below);
-    if several_lights {
-        for (var light = 1u; light < frame.light_count; light++) {
-            sum += light_radiance(light, from_table[light], ray, dx, dy, mu, sin_theta, below);
-        }
+    for (var light = 1u; light < light_count; light++) {
+        sum += light_radiance(light, from_table[light], ray, dx, dy, mu, sin_theta, below);
     }
     var moon = MoonLight(vec4f(0.0), 0.0);
     if with_moon && !below {
         moon = moon_light(ray, dx, dy);
-        moon.radiance *= transmittance_behind(mu, sin_theta);
+        
+        if with_horizon {
+            moon.radiance *= transmittance_behind(mu, sin_theta);
+        } else {
+            let at = moon_elevation(mu);
+            moon.radiance *= exp(moon_ln[0] + at * (moon_ln[1] + at * (moon_ln[2] + at * moon_ln[3])));
+        }
+        moon_cover = moon.cover;
     }
-    if night {
+    if night && !night_grid {
         sum += night_radiance(ray, mu, sin_theta, below, !marching, 1.0 - moon.cover);
     }
     sum += moon.radiance;
     return sum;
+}
+
+// The cubic through what the air leaves of the Moon at four elevations: cheaper than a look-up in each pixel.
+fn moon_dimming() -> array<vec4f, 4> {
+    if !with_moon || with_horizon {
+        return array<vec4f, 4>();
+    }
+    var at: array<vec4f, 4>;
+    for (var i = 0u; i < 4u; i++) {
+        let mu = sin(view.moon.lift_middle + view.moon.lift_reach * (f32(i) * 2.0 / 3.0 - 1.0));
+        at[i] = log(max(transmittance_to_space(view.altitude_m, mu), vec4f(1e-30)));
+    }
+    // Lagrange at −1, −⅓, ⅓, 1.
+    return array<vec4f, 4>(
+        (9.0 * (at[1] + at[2]) - at[0] - at[3]) / 16.0, (27.0 * (at[2] - at[1]) + at[0] - at[3]) / 16.0,
+        9.0 * (at[0] + at[3] - at[1] - at[2]) / 16.0, (27.0 * (at[1] - at[2]) + 9.0 * (at[3] - at[0])) / 16.0);
 }
 
 // What the air along a ray lets through of what lies behind it.
@@ -233,7 +269,11 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
         // Nothing: the corners of a fisheye.
         return vec4f(0.0);
     }
+    moon_ln = array<vec4f, 4>(in.moon_ln_0, in.moon_ln_1, in.moon_ln_2, in.moon_ln_3);
     var luminance = sky_luminance(in.from_table, look, dx, dy);
+    if night && night_grid {
+        luminance += night_from_grid(in.night_uv, moon_cover);
+    }
     if metering {
         return vec4f(luminance, 1.0);
     }

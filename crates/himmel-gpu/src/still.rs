@@ -71,6 +71,7 @@ impl Still {
         let mut renderer = SkyRenderer::new(&gpu.device, &gpu.queue, &target, atmosphere)?;
         // A frame's worth at a time, so that a rebuild can be shown and cancelled.
         renderer.set_pace(Pace::Samples(1e7));
+        renderer.set_night_grid(false);
         Ok(Self { gpu: gpu.clone(), renderer, tile: None, stamps: Stamps::new(gpu) })
     }
 

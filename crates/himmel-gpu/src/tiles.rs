@@ -85,9 +85,16 @@ pub(crate) struct Tiles {
 const MOST_RECTANGLES: usize = TILES[0] * TILES[1];
 
 impl Tiles {
-    /// Sorts a view's tiles. `up`: the zenith, east-north-up. `horizon`: elevation of the horizon, rad.
-    pub(crate) fn new(view: &View, up: DVec3, horizon: f64, lights: &[TileLight]) -> Result<Self, GpuError> {
-        let around = Around::new(view, up, horizon, lights)?;
+    /// Sorts a view's tiles. `up`: the zenith, east-north-up. `horizon`: elevation of the horizon, rad. `clear`: what tiles
+    /// without the horizon keep clear of it, as a share of the angle that a tile reaches from its middle.
+    pub(crate) fn new(
+        view: &View,
+        up: DVec3,
+        horizon: f64,
+        lights: &[TileLight],
+        clear: f64,
+    ) -> Result<Self, GpuError> {
+        let around = Around { clear, ..Around::new(view, up, horizon, lights)? };
         let merged = Self::merged(&around.sort(DIVISION)).or_else(|| Self::merged(&around.sort(1)));
         Ok(merged.unwrap_or_default())
     }
@@ -136,13 +143,15 @@ struct Around<'a> {
     up: DVec3,
     horizon: f64,
     lights: &'a [TileLight],
+    /// What tiles beside the horizon keep clear of it, as a share of the reach.
+    clear: f64,
     /// The largest angle from the middle of a tile to its corners, with a tenth to spare, rad.
     reach: f64,
 }
 
 impl<'a> Around<'a> {
     fn new(view: &'a View, up: DVec3, horizon: f64, lights: &'a [TileLight]) -> Result<Self, GpuError> {
-        let mut around = Self { view, rays: view.rays()?, up, horizon, lights, reach: 0.0 };
+        let mut around = Self { view, rays: view.rays()?, up, horizon, lights, clear: 0.0, reach: 0.0 };
         let [columns, rows] = TILES;
         let mut reach: f64 = 0.0;
         // Tiles are widest in the middle or at an edge of a picture, never in between.
@@ -206,7 +215,7 @@ impl<'a> Around<'a> {
         for (limit, light) in discs.iter_mut().zip(self.lights) {
             *limit = cosine(light.reach_rad + widened);
         }
-        Limits { horizon: widened, aureole: cosine(AUREOLE_TO + reach), discs }
+        Limits { horizon: widened.max(reach + self.clear * self.reach), aureole: cosine(AUREOLE_TO + reach), discs }
     }
 
     /// What pixels around a direction need.
@@ -223,7 +232,9 @@ impl<'a> Around<'a> {
         let horizon = (elevation - self.horizon).abs() <= limits.horizon;
         let aureole =
             self.lights.iter().filter_map(|light| light.direction).any(|light| middle.dot(light) > limits.aureole);
-        if !moons.is_empty() && horizon {
+        // A Moon that is made huge spans more of the air than its cubics do.
+        let huge = moons.iter().any(|(light, _)| light.reach_rad > 0.05);
+        if !moons.is_empty() && (horizon || huge) {
             return Needs::ALL;
         }
         Needs { horizon, aureole, disc: false, moon: !moons.is_empty() }
@@ -273,7 +284,7 @@ mod tests {
             let light =
                 TileLight { direction: Some(direction), moon: false, disc_direction: direction, reach_rad: 0.005 };
             let lights = [light];
-            let tiles = Tiles::new(&view, up, -0.01, &lights).unwrap();
+            let tiles = Tiles::new(&view, up, -0.01, &lights, 0.0).unwrap();
             let by = drawn(&tiles);
             assert!(by.iter().all(|by| by.len() == 1));
             // The cell with the disc, one on the horizon, one in the aureole.

@@ -74,15 +74,18 @@ pub fn plot(choice: &Choice, gpu: &Gpu, output: Option<&str>) -> Result<(), Stri
         for (curve, (median, most)) in curves.iter_mut().zip(found) {
             curve.points.push((f64::from(elevation_deg), 100.0 * median, 100.0 * most));
         }
+        // After each, so that a run that is stopped leaves what it has.
+        if let Some(path) = output {
+            let mut text = String::new();
+            draw(&curves, &SVGBackend::with_string(&mut text, SIZE).into_drawing_area())?;
+            std::fs::write(Path::new(path), text).map_err(|error| format!("cannot write {path}: {error}"))?;
+        }
     }
     println!(
         "\nMedian / 95th percentile of the relative error in %: `bruneton2017`, on the ground, {} lines of sight over the whole sky for each elevation, at 680, 550 and 440 nm.",
         choice.points
     );
-    let Some(path) = output else { return Ok(()) };
-    let mut text = String::new();
-    draw(&curves, &SVGBackend::with_string(&mut text, SIZE).into_drawing_area())?;
-    std::fs::write(Path::new(path), text).map_err(|error| format!("cannot write {path}: {error}"))
+    Ok(())
 }
 
 fn draw(curves: &[Curve], area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), String> {

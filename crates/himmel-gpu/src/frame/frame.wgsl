@@ -84,8 +84,9 @@ struct ViewUniform {
     // Radius of the occluder, in radii of the Sun, that the eclipse table is made for.
     table_b: f32,
     padding_0: f32,
-    padding_1: f32,
-    padding_2: f32,
+    // Layer of the night's grid that is the view's; what its 1 is, cd/m².
+    night_layer: u32,
+    night_unit: f32,
     moon: MoonUniform,
     // Rows of ICRS from view space (w: level of the star map, its side in texels), and of the ecliptic with its x to the Sun.
     icrs_from_view: array<vec4f, 3>,

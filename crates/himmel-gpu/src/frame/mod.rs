@@ -104,10 +104,10 @@ gpu_struct! {
         pub table_b: f32,
         /// Fills up.
         pub padding_0: f32,
-        /// Fills up.
-        pub padding_1: f32,
-        /// Fills up.
-        pub padding_2: f32,
+        /// Layer of the night's grid.
+        pub night_layer: u32,
+        /// What its 1 is, cd/m².
+        pub night_unit: f32,
         /// The Moon.
         pub moon: MoonUniform,
         /// Rows of ICRS from view space; w: level of the star map, its side in texels.

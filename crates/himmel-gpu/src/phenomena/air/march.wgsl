@@ -61,25 +61,20 @@ struct AirMarch {
 
 // sin_theta: sine of the ray's zenith angle, taken from vectors because 1 − µ² cancels far from the planet.
 fn enter(altitude_m: f32, mu: f32, sin_theta: f32, mu_s: f32, nu: f32, theta: f32) -> AirRay {
-    var ray = AirRay(altitude_m, mu, mu_s, nu, theta, 0.0, false, vec3f(0.0), false);
+    // Chosen, not branched on: see `exposure_now`.
     let top = airs[body].top_altitude_m;
-    if altitude_m <= top {
-        return ray;
-    }
+    let above = altitude_m > top;
     let r = airs[body].bottom_radius_m + altitude_m;
     let r_top = airs[body].bottom_radius_m + top;
     let impact = r * sin_theta;
-    if mu >= 0.0 || impact >= r_top {
-        ray.misses = true;
-        return ray;
-    }
-    let root = sqrt((r_top - impact) * (r_top + impact));
+    let misses = above && (mu >= 0.0 || impact >= r_top);
+    let enters = above && !misses;
+    let root = sqrt(max((r_top - impact) * (r_top + impact), 0.0));
     let t = -r * mu - root;
-    ray.altitude_m = top;
-    ray.mu = -root / r_top;
-    ray.mu_s = clamp((r * mu_s + t * nu) / r_top, -1.0, 1.0);
-    ray.before_m = t;
-    return ray;
+    return AirRay(
+        select(altitude_m, top, enters), select(mu, -root / r_top, enters),
+        select(mu_s, clamp((r * mu_s + t * nu) / r_top, -1.0, 1.0), enters), nu, theta, select(0.0, t, enters), misses,
+        vec3f(0.0), false);
 }
 
 // The angle between two unit vectors; from their chord where cosines have no digits.

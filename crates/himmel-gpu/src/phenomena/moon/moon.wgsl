@@ -9,6 +9,12 @@
 // Logarithm of what is left of sunlight in the Earth's shadow, over the distance from its axis.
 @group(1) @binding(9) var moon_shadow: texture_2d<f32>;
 
+// Points along a pixel's side: small discs need more for their terminator. Whether the ground has relief; whether the Earth's shadow
+// may be on it.
+override moon_side: u32 = 4u;
+override moon_relief: bool = true;
+override moon_eclipsed: bool = true;
+
 // What the Moon sends along a ray, and how much of the pixel it covers.
 struct MoonLight {
     radiance: vec4f,
@@ -31,6 +37,11 @@ fn sphere_normal(aside: vec3f, centre: vec3f, sine: f32) -> vec3f {
     return across - centre * sqrt(max(1.0 - dot(across, across), 0.0));
 }
 
+// Elevation of a ray (by its sine) in the span of the disc, −1..1.
+fn moon_elevation(sine: f32) -> f32 {
+    return clamp((asin(clamp(sine, -1.0, 1.0)) - view.moon.lift_middle) / view.moon.lift_reach, -1.0, 1.0);
+}
+
 fn moon_light(ray: vec3f, dx: vec3f, dy: vec3f) -> MoonLight {
     let centre = view.moon.centre;
     let pixel = max(length(dx), length(dy));
@@ -40,7 +51,7 @@ fn moon_light(ray: vec3f, dx: vec3f, dy: vec3f) -> MoonLight {
     let height = clamp(dot(ray, view.up), -1.0, 1.0);
     let level = view.up - ray * height;
     let tangent = level / max(length(level), 1e-6);
-    let at = clamp((asin(height) - view.moon.lift_middle) / view.moon.lift_reach, -1.0, 1.0);
+    let at = moon_elevation(height);
     let lift = view.moon.lift;
     // Deviation, and how it changes with elevation.
     let bend = vec2f(
@@ -50,28 +61,35 @@ fn moon_light(ray: vec3f, dx: vec3f, dy: vec3f) -> MoonLight {
     let base = ray - tangent * bend.x - centre;
     let across = base - centre * dot(base, centre);
     let touched = dot(across, across) < (sine + pixel) * (sine + pixel) && dot(base, base) < 2.0;
-    // Small discs need more points for their terminator. A loop that ends at once, not a branch: rasterisers on CPUs skip
-    // only loops.
-    let side = select(1u, select(4u, 8u, sine < 3.0 * pixel), sine < 8.0 * pixel);
-    let points = select(0u, side * side, touched);
-    var sum = MoonLight(vec4f(0.0), 0.0);
-    for (var i = 0u; i < points; i++) {
-        let p = (vec2f(f32(i % side), f32(i / side)) + 0.5) / f32(side) - 0.5;
-        let shift = p.x * dx + p.y * dy;
-        let here = base + shift - tangent * (bend.y * dot(shift, tangent));
-        let aside = here - centre * dot(here, centre);
-        let off = length(aside);
-        let half = 0.5 * pixel / f32(side);
-        let cover = clamp(0.5 + 0.5 * (sine - off) / half, 0.0, 1.0);
-        // On the limb the middle of the part that is covered shines for all of it.
-        let seen = select(off, clamp(0.5 * (off - half + sine), 0.0, sine), off + half > sine);
-        let normal = sphere_normal(aside * (seen / max(off, 1e-9)), centre, sine);
-        let mu = sqrt(max(1.0 - seen * seen / (sine * sine), 0.0));
-        sum.radiance += cover * moon_radiance(normal, mu, pixel / (sine * f32(side)));
-        sum.cover += cover;
+    if moon_side == 1u {
+        return moon_sample(base, centre, dx * 0.0, tangent, bend.y, sine, pixel, thin, touched);
     }
-    let share = thin / f32(side * side);
-    return MoonLight(sum.radiance * share, sum.cover * share);
+    // A loop that ends at once, not a branch: rasterisers on CPUs skip only loops.
+    var sum = MoonLight(vec4f(0.0), 0.0);
+    for (var i = 0u; i < select(0u, moon_side * moon_side, touched); i++) {
+        let p = (vec2f(f32(i % moon_side), f32(i / moon_side)) + 0.5) / f32(moon_side) - 0.5;
+        let light = moon_sample(base, centre, p.x * dx + p.y * dy, tangent, bend.y, sine, pixel, thin, true);
+        sum.radiance += light.radiance;
+        sum.cover += light.cover;
+    }
+    return sum;
+}
+
+// One point's share of a pixel: `shift` off its middle.
+fn moon_sample(
+    base: vec3f, centre: vec3f, shift: vec3f, tangent: vec3f, bend: f32, sine: f32, pixel: f32, thin: f32, touched: bool,
+) -> MoonLight {
+    let here = base + shift - tangent * (bend * dot(shift, tangent));
+    let aside = here - centre * dot(here, centre);
+    let off = length(aside);
+    let half = 0.5 * pixel / f32(moon_side);
+    let cover = select(0.0, clamp(0.5 + 0.5 * (sine - off) / half, 0.0, 1.0), touched);
+    // On the limb the middle of the part that is covered shines for all of it.
+    let seen = select(off, clamp(0.5 * (off - half + sine), 0.0, sine), off + half > sine);
+    let normal = sphere_normal(aside * (seen / max(off, 1e-9)), centre, sine);
+    let mu = sqrt(max(1.0 - seen * seen / (sine * sine), 0.0));
+    let share = cover * thin / f32(moon_side * moon_side);
+    return MoonLight(share * moon_radiance(normal, mu, pixel / (sine * f32(moon_side))), share);
 }
 
 // Radiance of the ground. `normal`: of the sphere; `mu`: cosine to the observer; `footprint`: of the pixel, in radii.
@@ -86,7 +104,7 @@ fn moon_radiance(normal: vec3f, mu: f32, footprint: f32) -> vec4f {
     let albedo = ground.x * view.moon.albedo_scale;
     let smooth_mu_0 = dot(normal, view.moon.to_sun);
     var mu_0 = smooth_mu_0;
-    for (var i = 0u; i < select(0u, 1u, view.moon.relief > 0.0); i++) {
+    if moon_relief {
         let slopes = (ground.yz * 255.0 - 128.0) / 127.0;
         let north = normalize(view.moon.body_z.xyz - normal * own.z + vec3f(1e-9));
         let east = cross(north, normal);
@@ -95,7 +113,7 @@ fn moon_radiance(normal: vec3f, mu: f32, footprint: f32) -> vec4f {
         mu_0 = max(dot(tilted, view.moon.to_sun), 0.0) * smoothstep(-0.07, 0.02, smooth_mu_0);
     }
     var shade = vec4f(1.0);
-    for (var i = 0u; i < select(0u, 1u, view.moon.texels_per_radius > 0.0); i++) {
+    if moon_eclipsed {
         let from_axis = view.moon.offset + normal - view.moon.axis * dot(normal, view.moon.axis);
         let x = min(length(from_axis) * view.moon.texels_per_radius, view.moon.shadow_texels - 1.001);
         let texel = u32(x);

@@ -16,6 +16,7 @@
 //! - **Known to look wrong**: within 15° of the Sun zodiacal light is a power law. Colours of the map are Gaia's, not the eye's.
 
 pub mod airglow;
+pub(crate) mod grid;
 mod model;
 pub mod params;
 mod pass;

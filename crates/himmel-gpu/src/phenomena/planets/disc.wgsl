@@ -29,9 +29,10 @@ struct PlanetVertex {
     @builtin(position) position: vec4f,
     // From the centre in radii.
     @location(0) place: vec2f,
-    @location(1) @interpolate(flat) light: vec3f,
-    @location(2) @interpolate(flat) sky: vec3f,
-    @location(3) @interpolate(flat) finished_sky: vec3f,
+    // At its own corner, as all that follows.
+    @location(1) light: vec3f,
+    @location(2) sky: vec3f,
+    @location(3) finished_sky: vec3f,
 }
 
 @vertex
@@ -40,19 +41,18 @@ fn planet_vertex(@builtin(vertex_index) vertex: u32) -> PlanetVertex {
     let top = vertex == 2u || vertex == 3u || vertex == 5u;
     let place = vec2f(select(-1.0, 1.0, right), select(-1.0, 1.0, top)) * planet.reach;
     let direction = normalize(planet.centre + planet.radius * (place.x * planet.along_x + place.y * planet.along_y));
-    let centre = lifted(planet.centre);
-    let mu = dot(centre, view.up);
-    let corner = picture_place(lifted(direction));
+    let seen = lifted(direction);
+    let corner = picture_place(seen);
     let exposure = exposure_now();
-    let light = rec709_of(planet.four * air_transmittance(centre, mu)) * exposure;
+    let light = rec709_of(planet.four * air_transmittance(seen, dot(seen, view.up))) * exposure;
     var sky = vec3f(0.0);
     var finished_sky = vec3f(0.0);
     if finished != 0u {
-        sky = sky_behind(centre) * exposure;
+        sky = sky_behind(seen) * exposure;
         finished_sky = finished_colour(sky);
     }
     let ndc = (corner.xy - view.tile.xy) / view.tile.zw;
-    let hidden = corner.z < 0.5 || mu < view.horizon_mu;
+    let hidden = corner.z < 0.5 || dot(lifted(planet.centre), view.up) < view.horizon_mu;
     return PlanetVertex(
         vec4f(select(ndc, vec2f(2.0), hidden), far_depth, 1.0), place, light, sky, finished_sky);
 }

@@ -133,10 +133,8 @@ fn lift_at(elevation: f32) -> f32 {
     let low = select(0.5 * (next - lift_node(i - 1)), rise, i == 0);
     let high = select(0.5 * (lift_node(i + 2) - here), rise, i == 30);
     let t = x - f32(i);
-    if t < 0.0 {
-        return here + low * t;
-    }
-    return here + t * (low + t * ((3.0 * rise - 2.0 * low - high) + t * (low + high - 2.0 * rise)));
+    let cubic = here + t * (low + t * ((3.0 * rise - 2.0 * low - high) + t * (low + high - 2.0 * rise)));
+    return select(cubic, here + low * t, t < 0.0);
 }
 
 // A vector turned towards the zenith by a small angle, from true to apparent place.

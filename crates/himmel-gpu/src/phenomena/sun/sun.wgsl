@@ -9,13 +9,11 @@ override occluded: bool = true;
 // Radiance of a light's disc per unit irradiance of the light, 1/sr, averaged over a pixel; with the first light's corona
 // and what stands before it. `ray`: unit vector in view space; `dx`, `dy`: how it changes to the next pixel.
 fn light_disc_radiance(light: u32, ray: vec3f, dx: vec3f, dy: vec3f) -> vec4f {
-    if view.lights[light].disc_visible == 0u {
-        return vec4f(0.0);
-    }
     var disc = DiscUniform(
         view.lights[light].direction, view.lights[light].radius, view.up, 0.0, vec3f(0.0), 0.0);
     if light == 0u && occluded {
         disc = view.disc;
     }
-    return bent_disc_radiance(ray, dx, dy, disc, frame.bending, frame.limb_darkening);
+    let visible = f32(view.lights[light].disc_visible);
+    return visible * bent_disc_radiance(ray, dx, dy, disc, frame.bending, frame.limb_darkening);
 }
