@@ -83,7 +83,8 @@ struct ViewUniform {
     shadow: ShadowUniform,
     // Radius of the occluder, in radii of the Sun, that the eclipse table is made for.
     table_b: f32,
-    padding_0: f32,
+    // Whose air a station of another body is for.
+    body: u32,
     padding_1: f32,
     padding_2: f32,
     moon: MoonUniform,
