@@ -145,16 +145,18 @@ fn pixel_of_body(i: u32, look: vec3f, dx: vec3f, dy: vec3f) -> Seen {
     let top_m = far.bodies[i].top_m;
     let beside_m = far.bodies[i].distance_m * length(across) - radius_m;
     let at_limb = abs(beside_m) < 1.5 * footprint_m || (beside_m > 0.0 && footprint_m > top_m / 64.0);
-    var side = select(1u, 4u, at_limb);
-    side = select(side, select(4u, 8u, radius_m < 3.0 * footprint_m), radius_m < 8.0 * footprint_m);
+    // Fibonacci's lattices: along an edge of any direction no two of their points come at once.
+    var count = select(vec2u(1u, 0u), vec2u(21u, 13u), at_limb);
+    count = select(count, select(vec2u(34u, 21u), vec2u(55u, 34u), radius_m < 3.0 * footprint_m), radius_m < 8.0 * footprint_m);
     var sum = Seen(vec4f(0.0), vec4f(0.0), touched);
-    let points = select(0u, side * side, touched);
+    let points = select(0u, count.x, touched);
+    let point_m = footprint_m * inverseSqrt(f32(count.x));
     for (var p = 0u; p < points; p++) {
-        let place = (vec2f(f32(p % side), f32(p / side)) + 0.5) / f32(side) - 0.5;
+        let place = (vec2f(f32(p), f32(p * count.y % count.x)) + 0.5) / f32(count.x) - 0.5;
         let shift = place.x * dx + place.y * dy;
         let here = base + shift - tangent * (bend.y * dot(shift, tangent));
         let aside = (here - centre * dot(here, centre)) / wide;
-        let seen = ray_of_body(i, aside, 1.0 + dot(here, centre), footprint_m / f32(side));
+        let seen = ray_of_body(i, aside, 1.0 + dot(here, centre), point_m);
         sum.radiance += seen.radiance;
         sum.through += seen.through;
     }
