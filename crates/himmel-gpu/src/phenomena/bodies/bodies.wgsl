@@ -146,8 +146,8 @@ fn pixel_of_body(i: u32, look: vec3f, dx: vec3f, dy: vec3f) -> Seen {
     let beside_m = far.bodies[i].distance_m * length(across) - radius_m;
     let at_limb = abs(beside_m) < 1.5 * footprint_m || (beside_m > 0.0 && footprint_m > top_m / 64.0);
     // Fibonacci's lattices: along an edge of any direction no two of their points come at once.
-    var count = select(vec2u(1u, 0u), vec2u(21u, 13u), at_limb);
-    count = select(count, select(vec2u(34u, 21u), vec2u(55u, 34u), radius_m < 3.0 * footprint_m), radius_m < 8.0 * footprint_m);
+    var count = select(vec2u(1u, 0u), vec2u(34u, 21u), at_limb);
+    count = select(count, vec2u(55u, 34u), radius_m < 8.0 * footprint_m);
     var sum = Seen(vec4f(0.0), vec4f(0.0), touched);
     let points = select(0u, count.x, touched);
     let point_m = footprint_m * inverseSqrt(f32(count.x));

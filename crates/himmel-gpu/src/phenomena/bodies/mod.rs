@@ -6,7 +6,7 @@
 //!   limb. Ground is Lambert's with an albedo map, under its sun and its sky. Behind the air that the camera is in, a body is
 //!   dimmed, reddened and lifted; before the planet that the camera is above, it hides that.
 //! - **What it costs**: frames without bodies: nothing. Pixels of a body with air: a march for each of its suns and one more look
-//!   at the sky; `docs/bodies.md` has times. Tables: 1.9 MB for each air, and 4.9 MB while they are built.
+//!   at the sky (34 marches on its limb). Tables: 1.9 MB for each air, and 4.9 MB while they are built.
 //! - **What it leaves out**: eclipses (shadows of bodies on each other), rings, flattening, clouds, their light on the home planet's
 //!   air and ground, what the haze of the home planet scatters forward of a wide disc, stars dimmed by a limb's air (the ground
 //!   hides them), the air before a host's picture (`apply_air`).
