@@ -4,6 +4,7 @@ mod air;
 mod allocation;
 mod apply_air;
 mod bloom;
+mod bodies;
 mod day;
 mod functions;
 mod host;

@@ -28,6 +28,7 @@ pub use output::bloom::{BloomFrame, BloomPass};
 pub use output::params::{Adaptation, Bloom, Exposure, OutputParams, Tonemap};
 pub use phenomena::air::build::{Pace, Rebuild};
 pub use phenomena::air::{AirSizes, ApplyAir, RayAnswer, RayMeter, ShadowMap, TablesKey, TablesReadBack};
+pub use phenomena::bodies::{AlbedoMap, AlbedoMapError, FarBody, FarLight, MOST_FAR_BODIES};
 pub use phenomena::night_glow::NightGlow;
 pub use phenomena::overlay::{LineKind, LineList, LinePiece, Overlay, OverlayParams};
 pub use phenomena::planets::{PlanetDisc, PlanetsParams};

@@ -17,6 +17,7 @@ use crate::output::params::{OutputParams, Tonemap};
 use crate::pass::{Bound, Slot, bind, layout, module};
 use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
+use crate::phenomena::bodies::{self, Bodies, BodiesUniform, FarBody, MOST_FAR_BODIES};
 use crate::phenomena::cleared;
 use crate::phenomena::moon::{MoonState, MoonTextures, MoonUniform};
 use crate::phenomena::night_glow::grid::{self, NightGrid};
@@ -70,6 +71,8 @@ pub struct FrameState {
     pub planets: Vec<PlanetDisc>,
     /// Discs that hide points; at most 4.
     pub hiders: Vec<Hider>,
+    /// Other planets and moons with surface and air; at most 3.
+    pub far_bodies: Vec<FarBody>,
     /// The night's own glow; none by day, when nobody sees it.
     pub night: Option<NightGlow>,
     /// Lines over the sky.
@@ -96,6 +99,7 @@ impl FrameState {
             bodies: Vec::new(),
             planets: Vec::new(),
             hiders: Vec::new(),
+            far_bodies: Vec::new(),
             moon: None,
             night: None,
             overlay: None,
@@ -127,6 +131,13 @@ impl FrameState {
                 self.hiders.len()
             )));
         }
+        if self.far_bodies.len() > MOST_FAR_BODIES {
+            return Err(GpuError::View(format!(
+                "a frame has at most {MOST_FAR_BODIES} other bodies in the sky, got {}",
+                self.far_bodies.len()
+            )));
+        }
+        self.far_bodies.iter().try_for_each(FarBody::check)?;
         let finite = |sun: &SunState| {
             sun.direction.is_finite()
                 && sun.disc_direction.is_finite()
@@ -195,6 +206,11 @@ pub struct SkyRenderer {
     prepared: usize,
     points: Points,
     lines: Lines,
+    /// Made when a frame has other bodies.
+    bodies: Option<Bodies>,
+    /// Radius and top of each of their airs, m.
+    far_airs: Vec<(f64, f64)>,
+    wavelengths_nm: [f64; 4],
     starlight: Starlight,
     /// Made when air is first applied to a host's picture.
     apply: Option<Apply>,
@@ -298,6 +314,7 @@ impl SkyRenderer {
             layout: pipeline_layout,
             module,
             constants: air.constants(),
+            far: None,
             made: Mutex::default(),
         };
         pipelines.make(air.sizes.sky_view.is_none());
@@ -350,6 +367,9 @@ impl SkyRenderer {
             prepared: 0,
             points,
             lines,
+            bodies: None,
+            far_airs: Vec::new(),
+            wavelengths_nm: atmosphere.wavelengths_nm(),
             starlight: atmosphere.starlight(),
             apply: None,
             views: Vec::new(),
@@ -380,6 +400,7 @@ impl SkyRenderer {
     /// [`rebuilding`](Self::rebuilding); the first already shows light that was scattered twice.
     pub fn set_atmosphere(&mut self, atmosphere: &Atmosphere) -> Result<(), GpuError> {
         let sizes = Air::sizes_of(atmosphere.quality().unwrap_or(self.default_quality), atmosphere.steps());
+        same_wavelengths(self.air.far(), atmosphere.wavelengths_nm())?;
         if self.air.set(&self.device, &self.queue, sizes, atmosphere)? {
             self.bind_views();
             if self.pipelines.constants != self.air.constants() {
@@ -390,7 +411,22 @@ impl SkyRenderer {
             self.pipelines.make(self.air.sizes.sky_view.is_none());
             self.apply = None;
         }
+        self.pipelines.far_constants(self.air.all_constants());
         self.take_colours(atmosphere);
+        Ok(())
+    }
+
+    /// Takes the airs of other bodies in the sky, at most 3, which [`FarBody::air`] counts; each in the wavelengths of the sky's own.
+    /// Their tables are filled by the next frames, after the sky's own ([`rebuilding`](Self::rebuilding),
+    /// [`cancel_rebuild`](Self::cancel_rebuild)). An air that stays where it is in the list (the same `Arc`) keeps its tables.
+    /// Call when the frames before are submitted. On an error nothing has changed.
+    pub fn set_far_airs(&mut self, airs: &[Arc<Atmosphere>]) -> Result<(), GpuError> {
+        same_wavelengths(airs.iter().map(Arc::as_ref), self.wavelengths_nm)?;
+        self.air.set_far(&self.device, &self.queue, airs)?;
+        self.far_airs = (airs.iter().map(|air| air.medium()))
+            .map(|medium| (medium.bottom_radius_m, medium.top_altitude_m))
+            .collect();
+        self.pipelines.far_constants(self.air.all_constants());
         Ok(())
     }
 
@@ -405,6 +441,7 @@ impl SkyRenderer {
             limb_darkening,
             ..FrameUniform::default()
         };
+        self.wavelengths_nm = atmosphere.wavelengths_nm();
         self.starlight = atmosphere.starlight();
         self.points.set_air(self.air.constants());
         self.bottom_radius_m = atmosphere.medium().bottom_radius_m;
@@ -435,6 +472,7 @@ impl SkyRenderer {
     pub fn table_bytes(&self) -> u64 {
         let own = self.air.bytes() + self.moon.bytes() + self.night.bytes() + self.points.bytes();
         let own = own + self.night_grid.as_ref().map_or(0, NightGrid::bytes);
+        let own = own + self.bodies.as_ref().map_or(0, Bodies::bytes);
         own + self.apply.as_ref().map_or(0, Apply::bytes)
     }
 
@@ -450,20 +488,40 @@ impl SkyRenderer {
 
     /// What the air's tables are made of: two of one key are the same to the last bit.
     pub fn tables_key(&self) -> Result<TablesKey, GpuError> {
-        self.air.key(&self.device)
+        self.air.key(&self.device, 0)
     }
 
     /// Reads the air's finished tables back, to be saved and given to [`load_tables`](Self::load_tables) another time. An
     /// error while they are rebuilt, or after a rebuild that was cancelled. Call when the frames that filled them are
     /// submitted.
     pub fn save_tables(&self) -> Result<TablesReadBack, GpuError> {
-        self.air.save(&self.device, &self.queue)
+        self.air.save(&self.device, &self.queue, 0)
     }
 
     /// Takes tables that were saved instead of rebuilding them. They must be whole and of the same
     /// [`key`](Self::tables_key); on an error nothing has changed and the rebuild goes on.
     pub fn load_tables(&mut self, bytes: &[u8]) -> Result<(), GpuError> {
-        self.air.load(&self.device, &self.queue, bytes)
+        self.air.load(&self.device, &self.queue, 0, bytes)
+    }
+
+    /// [`tables_key`](Self::tables_key) of another body's air.
+    pub fn far_tables_key(&self, air: usize) -> Result<TablesKey, GpuError> {
+        self.air.key(&self.device, air.saturating_add(1))
+    }
+
+    /// [`save_tables`](Self::save_tables) of another body's air.
+    pub fn save_far_tables(&self, air: usize) -> Result<TablesReadBack, GpuError> {
+        self.air.save(&self.device, &self.queue, air.saturating_add(1))
+    }
+
+    /// [`load_tables`](Self::load_tables) for another body's air.
+    pub fn load_far_tables(&mut self, air: usize, bytes: &[u8]) -> Result<(), GpuError> {
+        self.air.load(&self.device, &self.queue, air.saturating_add(1), bytes)
+    }
+
+    /// How many airs of other bodies there are.
+    pub fn far_air_count(&self) -> usize {
+        self.far_airs.len()
     }
 
     /// How many airs keep their finished tables on the GPU when [`set_atmosphere`](Self::set_atmosphere) takes another: to
@@ -563,6 +621,9 @@ impl SkyRenderer {
             let b = self.air.eclipse(&self.queue, shadow.discs(DVec3::ZERO).1, &limb);
             uniforms.iter_mut().for_each(|uniform| uniform.table_b = b as f32);
         }
+        let stands = |station: &(f64, DVec3, usize)| (station.2, false);
+        let mut cells: Vec<(usize, bool)> = stations.iter().map(stands).collect();
+        let bodies = self.bodies_of(frame, &whole, views, &mut uniforms, &mut cells)?;
         let mut stale = false;
         if uniforms.len() > self.capacity {
             self.capacity = uniforms.len().next_power_of_two();
@@ -572,7 +633,7 @@ impl SkyRenderer {
         let lights = frame.suns().count() as u32;
         // Room for the Moon as a light is there before it rises.
         let room = lights.max(1 + u32::from(frame.moon.is_some()));
-        stale |= self.air.reserve(&self.device, stations.len() as u32, room);
+        stale |= self.air.reserve(&self.device, cells.len() as u32, room);
         stale |= frame.night.as_ref().is_some_and(|night| self.night.hold(&self.device, &self.queue, night));
         if grids > 0 {
             let grid = match self.night_grid.take() {
@@ -595,20 +656,22 @@ impl SkyRenderer {
             let offset = slot as u64 * self.view_stride;
             self.uploads.write(encoder, &self.view_buffer, offset, bytemuck::bytes_of(uniform));
         }
-        let marching: Vec<bool> = uniforms.iter().skip(1).map(|uniform| uniform.sky_view == 0).collect();
+        let marching: Vec<bool> =
+            uniforms.iter().skip(1).take(views.len()).map(|uniform| uniform.sky_view == 0).collect();
         self.prepare_points(encoder, frame, views, &marching, lights)?;
         if let Some(night) = &frame.night {
             let uniform = NightUniform::new(night);
             self.uploads.write(encoder, &self.night.buffer, 0, bytemuck::bytes_of(&uniform));
         }
+        self.prepare_bodies(encoder, frame, &bodies)?;
         self.record_build(encoder);
         self.uploads.finish();
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some("cells"),
             timestamp_writes: stamps.as_deref_mut().and_then(|stamps| stamps.next_compute("cells")),
         });
-        for &(_, _, slot) in &stations {
-            self.air.stations.record_cells(&mut pass, &self.air.group, (slot as u64 * self.view_stride) as u32);
+        for &(slot, far) in &cells {
+            self.air.stations.record_cells(&mut pass, &self.air.group, (slot as u64 * self.view_stride) as u32, far);
         }
         drop(pass);
         let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
@@ -663,6 +726,94 @@ impl SkyRenderer {
         Ok(())
     }
 
+    /// The other bodies of the metering view and of each view, and what says where the cells in their airs lie: uniforms of
+    /// stations that are added to those of the views.
+    fn bodies_of(
+        &self,
+        frame: &FrameState,
+        whole: &View,
+        views: &[View],
+        uniforms: &mut Vec<ViewUniform>,
+        cells: &mut Vec<(usize, bool)>,
+    ) -> Result<Vec<BodiesUniform>, GpuError> {
+        let mut all = Vec::new();
+        if frame.far_bodies.is_empty() {
+            return Ok(all);
+        }
+        for body in &frame.far_bodies {
+            let Some(air) = body.air else { continue };
+            let Some(&(radius_m, _)) = self.far_airs.get(air) else {
+                let count = self.far_airs.len();
+                return Err(GpuError::View(format!("a body in the sky has air {air}, but {count} airs are set")));
+            };
+            if (body.radius_m / radius_m - 1.0).abs() > 1e-6 {
+                return Err(GpuError::View(format!(
+                    "a body in the sky has a radius of {} m, and air made for {radius_m} m",
+                    body.radius_m
+                )));
+            }
+        }
+        let tops_m: Vec<f64> = self.far_airs.iter().map(|&(_, top_m)| top_m).collect();
+        // Of each air and altitude in it.
+        let mut known: Vec<(u32, f64, u32)> = Vec::new();
+        for (slot, view) in std::iter::once(whole).chain(views).enumerate() {
+            let shift_m = view.enu_from_view.w_axis.truncate();
+            let altitude_m = f64::from(uniforms[slot].altitude_m);
+            let above = altitude_m > self.top_altitude_m;
+            let seen = bodies::apparent(&frame.far_bodies, shift_m, self.bottom_radius_m + altitude_m, above, &tops_m)?;
+            let mut stations = Vec::with_capacity(seen.len());
+            for body in &seen {
+                let air = body.air();
+                // From space all rays enter at the top.
+                let altitude_m = if body.within() { body.altitude_m.max(0.5) } else { 1e15 };
+                let near = |&(other, other_m, _): &(u32, f64, u32)| other == air && other_m == altitude_m;
+                let station = match known.iter().find(|known| air == 0 || near(known)) {
+                    Some(&(_, _, station)) => station,
+                    None if air == 0 => 0,
+                    None => {
+                        let station = cells.len() as u32;
+                        cells.push((uniforms.len(), true));
+                        uniforms.push(ViewUniform {
+                            altitude_m: altitude_m as f32,
+                            station,
+                            body: air,
+                            sky_view: 0,
+                            ..uniforms[slot]
+                        });
+                        known.push((air, altitude_m, station));
+                        station
+                    }
+                };
+                stations.push(station);
+            }
+            all.push(BodiesUniform::new(view, &seen, &stations, self.wavelengths_nm));
+        }
+        Ok(all)
+    }
+
+    fn prepare_bodies(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        frame: &FrameState,
+        uniforms: &[BodiesUniform],
+    ) -> Result<(), GpuError> {
+        if uniforms.is_empty() {
+            if let Some(bodies) = &mut self.bodies {
+                bodies.clear();
+            }
+            return Ok(());
+        }
+        let Self { device, queue, pipelines, bodies, uploads, air, view_layout, .. } = self;
+        let bodies = bodies.get_or_insert_with(|| Bodies::new(device, queue));
+        if pipelines.far.is_none() {
+            pipelines.make_far([&air.layout, view_layout, &bodies.layout], air.all_constants())?;
+        }
+        bodies.prepare(device, queue, &frame.far_bodies, uniforms, &mut |buffer, offset, bytes| {
+            uploads.write(encoder, buffer, offset, bytes);
+        });
+        Ok(())
+    }
+
     fn prepare_points(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
@@ -671,11 +822,19 @@ impl SkyRenderer {
         marching: &[bool],
         lights: u32,
     ) -> Result<(), GpuError> {
+        // The widest of all discs, where there are too many.
+        let mut hiders = frame.hiders.clone();
+        hiders.extend(frame.far_bodies.iter().map(|body| Hider {
+            direction: body.centre_m.normalize_or(DVec3::Z),
+            radius_rad: (body.radius_m / body.centre_m.length()).clamp(0.0, 1.0).asin(),
+        }));
+        hiders.sort_by(|a, b| b.radius_rad.total_cmp(&a.radius_rad));
+        hiders.truncate(MOST_HIDERS);
         let scene = PointsScene {
             stars: frame.stars.as_ref(),
             bodies: &frame.bodies,
             planets: &frame.planets,
-            hiders: &frame.hiders,
+            hiders: &hiders,
             bending: &frame.bending,
             altitude_m: frame.altitude_m,
             bottom_radius_m: self.bottom_radius_m,
@@ -724,7 +883,8 @@ impl SkyRenderer {
         }
         let slot = view_index + 1;
         let kind = self.kind(view_index);
-        if self.marching.get(view_index).copied().unwrap_or(true) {
+        let marching = self.marching.get(view_index).copied().unwrap_or(true);
+        if marching {
             self.set_slot(pass, Variant::Marching, kind, slot);
             pass.draw(0..3, 0..1);
         } else {
@@ -735,6 +895,8 @@ impl SkyRenderer {
                 }
             }
         }
+        let variant = if marching { Variant::Bodies } else { Variant::BodiesTable };
+        self.draw_bodies(pass, variant, kind, slot);
         self.points.draw(pass, view_index);
         self.lines.draw(pass, view_index);
     }
@@ -835,6 +997,13 @@ impl SkyRenderer {
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
     }
 
+    fn draw_bodies(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, kind: Kind, slot: usize) {
+        if let Some(bodies) = self.bodies.as_ref().filter(|bodies| bodies.count(slot) > 0) {
+            self.set_slot(pass, variant, kind, slot);
+            bodies.draw(pass, slot);
+        }
+    }
+
     fn record_metering(&self, encoder: &mut wgpu::CommandEncoder, mut stamps: Option<&mut Stamps>) {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("metering picture"),
@@ -846,6 +1015,8 @@ impl SkyRenderer {
         let variant = if marching { Variant::MeteringMarch } else { Variant::MeteringTable };
         self.set_slot(&mut pass, variant, self.kind(0), 0);
         pass.draw(0..3, 0..1);
+        let variant = if marching { Variant::MeteringBodies } else { Variant::MeteringBodiesTable };
+        self.draw_bodies(&mut pass, variant, self.kind(0), 0);
         drop(pass);
         self.meter.reduce(encoder, stamps.and_then(|stamps| stamps.next("meter")));
     }
@@ -982,6 +1153,17 @@ impl SkyRenderer {
     }
 }
 
+/// Light of all airs of a frame is at the same wavelengths.
+fn same_wavelengths<'a>(airs: impl Iterator<Item = &'a Atmosphere>, nm: [f64; 4]) -> Result<(), GpuError> {
+    for air in airs {
+        if air.wavelengths_nm() != nm {
+            let theirs = air.wavelengths_nm();
+            return Err(GpuError::Air(format!("of another body is at {theirs:?} nm, that of the sky at {nm:?} nm")));
+        }
+    }
+    Ok(())
+}
+
 fn uniform_buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer {
     device.create_buffer(&wgpu::BufferDescriptor {
         label: Some(label),
@@ -1038,6 +1220,14 @@ enum Variant {
     MeteringMarch,
     /// The metering picture from the table.
     MeteringTable,
+    /// Rectangles with other bodies, marching.
+    Bodies,
+    /// The same over a sky from the table.
+    BodiesTable,
+    /// The same in the metering picture.
+    MeteringBodies,
+    /// The same over a metering picture from the table.
+    MeteringBodiesTable,
 }
 
 impl Variant {
@@ -1050,11 +1240,16 @@ impl Variant {
     }
 
     fn marching(self) -> bool {
-        matches!(self, Self::Marching | Self::MeteringMarch)
+        matches!(self, Self::Marching | Self::MeteringMarch | Self::Bodies | Self::MeteringBodies)
     }
 
     fn metering(self) -> bool {
-        matches!(self, Self::MeteringMarch | Self::MeteringTable)
+        let bodies = matches!(self, Self::MeteringBodies | Self::MeteringBodiesTable);
+        bodies || matches!(self, Self::MeteringMarch | Self::MeteringTable)
+    }
+
+    fn bodies(self) -> bool {
+        matches!(self, Self::Bodies | Self::BodiesTable | Self::MeteringBodies | Self::MeteringBodiesTable)
     }
 
     /// What its pixels have.
@@ -1091,7 +1286,16 @@ struct Pipelines {
     module: wgpu::ShaderModule,
     /// Of the air in hand.
     constants: [(&'static str, f64); 2],
+    /// What draws other bodies, once there are some.
+    far: Option<FarPipelines>,
     made: Mutex<Made>,
+}
+
+/// Layout, module and constants of the pipelines of other bodies.
+struct FarPipelines {
+    layout: wgpu::PipelineLayout,
+    module: wgpu::ShaderModule,
+    constants: [(&'static str, f64); 2],
 }
 
 type Made = HashMap<(Variant, Kind), wgpu::RenderPipeline>;
@@ -1138,6 +1342,31 @@ impl Pipelines {
         }
     }
 
+    fn make_far(
+        &mut self,
+        groups: [&wgpu::BindGroupLayout; 3],
+        constants: [(&'static str, f64); 2],
+    ) -> Result<(), GpuError> {
+        let module = module(&self.device, "phenomena/bodies/bodies.wgsl")?;
+        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("bodies"),
+            bind_group_layouts: &groups.map(Some),
+            immediate_size: 0,
+        });
+        self.far = Some(FarPipelines { layout, module, constants });
+        Ok(())
+    }
+
+    /// Values of overrides for all airs.
+    fn far_constants(&mut self, constants: [(&'static str, f64); 2]) {
+        let Some(far) = &mut self.far else { return };
+        if far.constants != constants {
+            far.constants = constants;
+            let made = self.made.get_mut().unwrap_or_else(PoisonError::into_inner);
+            made.retain(|(variant, _), _| !variant.bodies());
+        }
+    }
+
     fn get(&self, variant: Variant, kind: Kind) -> wgpu::RenderPipeline {
         let has = variant.has();
         let kind =
@@ -1146,7 +1375,10 @@ impl Pipelines {
         let pipeline = made.entry((variant, kind)).or_insert_with(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
             let target = if variant.metering() { &metering } else { &self.target };
-            sky_pipeline(&self.device, &self.module, &self.layout, target, variant, kind, self.constants)
+            let far = self.far.as_ref().filter(|_| variant.bodies());
+            let own = (&self.module, &self.layout, self.constants);
+            let (module, layout, constants) = far.map_or(own, |far| (&far.module, &far.layout, far.constants));
+            sky_pipeline(&self.device, module, layout, target, variant, kind, constants)
         });
         pipeline.clone()
     }
@@ -1198,14 +1430,25 @@ fn sky_pipeline(
     let constants = constants.into_iter().chain(kind.moon.into_iter().flat_map(|moon| {
         [("moon_side", f64::from(moon.side)), ("moon_relief", on(moon.relief)), ("moon_eclipsed", on(moon.eclipsed))]
     }));
-    let constants: Vec<_> = constants.collect();
+    let mut constants: Vec<_> = constants.collect();
+    let [vertex_entry, fragment_entry] = match variant.bodies() {
+        false => ["sky_vertex", "sky_fragment"],
+        true => {
+            constants.push(("far_airs", 1.0));
+            ["bodies_vertex", "bodies_fragment"]
+        }
+    };
     let options = |constants| wgpu::PipelineCompilationOptions { constants, ..Default::default() };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(if variant.metering() { "sky, metering" } else { "sky" }),
+        label: Some(match (variant.bodies(), variant.metering()) {
+            (true, _) => "bodies",
+            (false, true) => "sky, metering",
+            (false, false) => "sky",
+        }),
         layout: Some(layout),
         vertex: wgpu::VertexState {
             module,
-            entry_point: Some("sky_vertex"),
+            entry_point: Some(vertex_entry),
             compilation_options: options(&vertex_constants),
             buffers: &[],
         },
@@ -1214,7 +1457,7 @@ fn sky_pipeline(
         multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module,
-            entry_point: Some("sky_fragment"),
+            entry_point: Some(fragment_entry),
             compilation_options: options(&constants),
             targets: &[Some(target.colour.into())],
         }),

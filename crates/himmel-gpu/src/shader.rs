@@ -33,6 +33,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/air/sky_view.wgsl", include_str!("phenomena/air/sky_view.wgsl")),
     ("phenomena/air/sky_view_refine.wgsl", include_str!("phenomena/air/sky_view_refine.wgsl")),
     ("phenomena/air/sky_view_table.wgsl", include_str!("phenomena/air/sky_view_table.wgsl")),
+    ("phenomena/bodies/bodies.wgsl", include_str!("phenomena/bodies/bodies.wgsl")),
     ("phenomena/ground/ground.wgsl", include_str!("phenomena/ground/ground.wgsl")),
     ("phenomena/moon/moon.wgsl", include_str!("phenomena/moon/moon.wgsl")),
     ("phenomena/moon/uniform.wgsl", include_str!("phenomena/moon/uniform.wgsl")),
@@ -71,6 +72,7 @@ pub const ROOTS: &[&str] = &[
     "phenomena/air/apply.wgsl",
     "phenomena/night_glow/grid.wgsl",
     "phenomena/stars/points.wgsl",
+    "phenomena/bodies/bodies.wgsl",
     "phenomena/planets/disc.wgsl",
     "phenomena/overlay/lines.wgsl",
 ];

@@ -36,6 +36,13 @@ override with_moon: bool = false;
 override night: bool = false;
 override night_grid: bool = false;
 
+// Of other bodies along a ray: light and what they let through of what lies behind; of those behind this body's air, and
+// of those before it.
+var<private> far_light: vec4f;
+var<private> far_through: vec4f;
+var<private> near_light: vec4f;
+var<private> near_through: vec4f;
+
 // Cells along the sides of a picture; the same in tiles.rs.
 const CELLS: vec2u = vec2u(64u, 72u);
 
@@ -141,7 +148,6 @@ fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, si
     var moon = MoonLight(vec4f(0.0), 0.0);
     if with_moon && !below {
         moon = moon_light(ray, dx, dy);
-        
         if with_horizon {
             moon.radiance *= transmittance_behind(mu, sin_theta);
         } else {
@@ -150,8 +156,13 @@ fn sky_radiance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f, mu: f32, si
         }
         moon_cover = moon.cover;
     }
+    var uncovered = 1.0 - moon.cover;
+    if far_airs && !below {
+        moon.radiance = moon.radiance * far_through + far_light * transmittance_behind(mu, sin_theta);
+        uncovered *= dot(far_through, vec4f(0.25));
+    }
     if night && !night_grid {
-        sum += night_radiance(ray, mu, sin_theta, below, !marching, 1.0 - moon.cover);
+        sum += night_radiance(ray, mu, sin_theta, below, !marching, uncovered);
     }
     sum += moon.radiance;
     return sum;
@@ -188,6 +199,9 @@ fn light_radiance(
     var disc = vec4f(0.0);
     if with_disc && !below {
         disc = light_disc_radiance(light, ray, dx, dy);
+        if far_airs {
+            disc *= far_through;
+        }
     }
     var radiance = vec4f(0.0);
     var through = vec4f(1.0);
@@ -253,6 +267,9 @@ fn sky_luminance(from_table: vec4f, ray: vec3f, dx: vec3f, dy: vec3f) -> vec3f {
         let share = select(1.0, 0.5 + side * above, both);
         four += share * sky_radiance(from_table, ray, dx, dy, side_mu, sin_theta, side < 0.0);
     }
+    if far_airs {
+        four = near_light + near_through * four;
+    }
     return rec709_of(four);
 }
 
@@ -264,6 +281,11 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     var dy = dpdy(look);
     dx *= min(1.0, 0.2 / max(length(dx), 1e-9));
     dy *= min(1.0, 0.2 / max(length(dy), 1e-9));
+    return pixel_colour(in, look, dx, dy);
+}
+
+// A pixel's colour for the target.
+fn pixel_colour(in: SkyVertex, look: vec3f, dx: vec3f, dy: vec3f) -> vec4f {
     let share = inside(in.ndc, abs(dpdy(in.ndc.y)));
     if share <= select(0.0, 0.5, metering) {
         // Nothing: the corners of a fisheye.

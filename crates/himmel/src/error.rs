@@ -37,6 +37,14 @@ pub enum Error {
         /// What is wrong and where.
         message: String,
     },
+    /// Another planet or moon of a scene.
+    #[error("{body}: {message}")]
+    Body {
+        /// Its name or number.
+        body: String,
+        /// What is wrong with it.
+        message: String,
+    },
     /// Astronomy refuses a date or a place.
     #[error(transparent)]
     Astro(#[from] himmel_astro::AstroError),

@@ -20,6 +20,7 @@
 
 pub mod bench;
 pub mod bench_stars;
+pub mod bodies;
 mod clock;
 mod error;
 mod light;
@@ -42,10 +43,10 @@ pub use error::{Error, Result};
 pub use himmel_air::{AirParams, AirQuality, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
-    Adaptation, AdapterReport, AirSizes, ApplyAir, Bloom, BloomFrame, BloomPass, DepthDirection, Exposure, Glare, Gpu,
-    GpuError, Occluder, Output, OutputParams, OverlayParams, Pace, PassTimes, Picture, Pixels, PlanetsParams,
-    PointSpread, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, StarsParams, Still, TablesKey, TablesReadBack,
-    Target, Tonemap, View,
+    Adaptation, AdapterReport, AirSizes, AlbedoMap, ApplyAir, Bloom, BloomFrame, BloomPass, DepthDirection, Exposure,
+    FarBody, FarLight, Glare, Gpu, GpuError, Occluder, Output, OutputParams, OverlayParams, Pace, PassTimes, Picture,
+    Pixels, PlanetsParams, PointSpread, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, StarsParams, Still,
+    TablesKey, TablesReadBack, Target, Tonemap, View,
 };
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};

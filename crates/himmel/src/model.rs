@@ -15,6 +15,7 @@ use himmel_core::constants::{ASTRONOMICAL_UNIT_M, SUN_RADIUS_M};
 use himmel_gpu::{FrameState, Occluder, Projection, SunState, View};
 use jiff::Timestamp;
 
+use crate::bodies::Bodies;
 use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
 use crate::light::{AmbientLight, Light, LightSource, MOON, SunLight, pure_colour};
@@ -61,6 +62,7 @@ pub struct SkyModel {
     moon: MoonCache,
     night: NightCache,
     points: PointCache,
+    bodies: Bodies,
 }
 
 /// The Sun's place for an observer.
@@ -110,6 +112,7 @@ impl SkyModel {
             ephemeris,
             bending,
             points: PointCache::default(),
+            bodies: Bodies::new(scene, &Bodies::default())?,
             moon: MoonCache::default(),
             night: NightCache::default(),
         })
@@ -142,6 +145,10 @@ impl SkyModel {
 
     pub(crate) fn ephemeris(&self) -> &dyn Ephemeris {
         self.ephemeris.as_ref()
+    }
+
+    pub(crate) fn bodies(&self) -> &Bodies {
+        &self.bodies
     }
 
     pub(crate) fn moon_cache(&self) -> &MoonCache {
@@ -194,6 +201,9 @@ impl SkyModel {
         let now = if time_changed { Some(parse_time(&self.scene.clock.time, &observer.time_zone)?) } else { None };
         let preset_changed = (&self.scene.preset, &self.scene.folder) != (&old.preset, &old.folder);
         let preset = if preset_changed { Some(self.scene.load_preset()?) } else { None };
+        let follows = self.scene.bodies != old.bodies || self.scene.air != old.air || self.scene.folder != old.folder;
+        let bodies = if follows { Bodies::new(&self.scene, &self.bodies)? } else { self.bodies.clone() };
+        self.bodies = bodies;
         self.observer = observer;
         if let Some(now) = now {
             self.clock.set(now);
@@ -467,6 +477,7 @@ impl SkyModel {
             bodies: moving.points,
             planets: moving.discs,
             hiders: hiders(&observer, moon.as_ref())?,
+            far_bodies: self.far_bodies()?,
             moon: moon.and_then(|moon| self.moon_as_disc(moon)),
             night: self.night()?,
             overlay: self.points.overlay(&self.scene, &observer),
@@ -531,6 +542,11 @@ impl SkyModel {
 
     /// A body's or star's apparent place, refracted where the air refracts; `error` where the name is neither.
     fn look_at_target(&self, name: &str, error: Error) -> Result<(f64, f64)> {
+        if let Some(direction) = self.direction_of_body(name)? {
+            let azimuth_deg = direction.x.atan2(direction.y).to_degrees().rem_euclid(360.0);
+            let apparent_rad = self.bending().apparent_rad(direction.z.clamp(-1.0, 1.0).asin());
+            return Ok((azimuth_deg, apparent_rad.to_degrees()));
+        }
         let Ok(target) = Target::parse(name) else {
             return Err(error);
         };

@@ -102,6 +102,7 @@ pub fn render_with(
         frame.output.exposure = Some(frame.output.exposure_for(output));
     }
     let mut still = Still::new(gpu, if post { Output::Radiance } else { output }, model.atmosphere())?;
+    still.renderer().set_far_airs(&model.far_airs())?;
     let cached = cache.is_some_and(|cache| cache.load(still.renderer()));
     let picture = still.render(&frame, &view, size.width_px, size.height_px, progress)?;
     if let (Some(cache), false) = (cache, cached)
@@ -116,6 +117,7 @@ pub fn render_with(
 pub fn pass_medians(gpu: &Gpu, model: &SkyModel, output: Output, frames: usize) -> Result<PassTimes> {
     let view = model.view()?;
     let mut still = Still::new(gpu, output, model.atmosphere())?;
+    still.renderer().set_far_airs(&model.far_airs())?;
     let size = &model.scene().output;
     let mut all: Vec<(&'static str, Vec<f64>)> = Vec::new();
     // The first frame compiles and warms up.

@@ -8,9 +8,10 @@ use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten
 use himmel_core::{choices, params};
 use himmel_gpu::phenomena::moon::MoonParams;
 use himmel_gpu::phenomena::night_glow::NightSettings;
-use himmel_gpu::{OutputParams, OverlayParams, PlanetsParams, StarsParams};
+use himmel_gpu::{MOST_FAR_BODIES, OutputParams, OverlayParams, PlanetsParams, StarsParams};
 use toml::de::{DeTable, DeValue};
 
+use crate::bodies::BodyParams;
 use crate::error::{Error, Result};
 
 /// The version that this library writes. Older ones are read; so far there is none.
@@ -106,6 +107,8 @@ pub struct Scene {
     pub planets: PlanetsParams,
     /// `[night.airglow]`, `[night.zodiacal]`, `[night.milky_way]`, `[night.light_pollution]`
     pub night: NightSettings,
+    /// `[[bodies]]`: other planets and moons in the sky; at most three that are enabled.
+    pub bodies: Vec<BodyParams>,
     /// `[overlay]`
     pub overlay: OverlayParams,
     /// `[output]`
@@ -128,6 +131,7 @@ impl Default for Scene {
             stars: StarsParams::default(),
             planets: PlanetsParams::default(),
             night: NightSettings::default(),
+            bodies: Vec::new(),
             overlay: OverlayParams::default(),
             output: OutputParams::default(),
             folder: PathBuf::new(),
@@ -179,10 +183,12 @@ impl Scene {
 
     /// The description of every parameter.
     pub fn describe() -> Vec<ParamInfo> {
-        Self::default().tables().iter().flat_map(|table| table.describe()).collect()
+        let own = Self::default().tables().iter().flat_map(|table| table.describe()).collect::<Vec<_>>();
+        own.into_iter().chain(BodyParams::default().describe()).collect()
     }
 
-    /// Sets a parameter by its full name from what a person typed: `ground.albedo`, `0.3`.
+    /// Sets a parameter by its full name from what a person typed: `ground.albedo`, `0.3`. `bodies.0.albedo` is the first other
+    /// body's; one more than there are is a new one, and `bodies.albedo` is that of the first.
     pub fn set(&mut self, key: &str, text: &str) -> Result<()> {
         let key = key.trim();
         let unknown = || {
@@ -191,6 +197,28 @@ impl Scene {
             Error::Param(ParamError::Unknown { key: shorten(key), suggestion })
         };
         let Some((table, name)) = key.rsplit_once('.') else { return Err(unknown()) };
+        if let Some(number) = table.strip_prefix("bodies") {
+            let index = match number.strip_prefix('.') {
+                None if number.is_empty() => 0,
+                number => number.and_then(|number| number.parse().ok()).ok_or_else(unknown)?,
+            };
+            let Some(info) = BodyParams::default().describe().into_iter().find(|info| info.name == name) else {
+                return Err(unknown());
+            };
+            if index > self.bodies.len() || index >= MOST_FAR_BODIES {
+                return Err(Error::Body {
+                    body: format!("bodies.{index}"),
+                    message: format!("bodies are counted from 0, one after the other, at most {MOST_FAR_BODIES}"),
+                });
+            }
+            let mut body = self.bodies.get(index).cloned().unwrap_or_default();
+            body.set(name, &info.parse(text)?)?;
+            match self.bodies.get_mut(index) {
+                Some(known) => *known = body,
+                None => self.bodies.push(body),
+            }
+            return Ok(());
+        }
         let Some(table) = self.tables_mut().into_iter().find(|t| t.table() == table) else { return Err(unknown()) };
         let Some(info) = table.describe().into_iter().find(|info| info.name == name) else { return Err(unknown()) };
         Ok(table.set(name, &info.parse(text)?)?)
@@ -244,6 +272,12 @@ impl Scene {
                     }
                     ("preset", DeValue::String(name)) => scene.preset = name.to_string(),
                     ("preset", _) => return Err(error(at, "preset takes a name or a path in quotes".into())),
+                    ("bodies", DeValue::Array(list)) => {
+                        scene.bodies = bodies(list.iter().map(|item| (item.span().start, item.get_ref())), &error)?;
+                    }
+                    ("bodies", DeValue::Table(_)) => {
+                        return Err(error(at, "bodies are written [[bodies]], a table for each".into()));
+                    }
                     (_, DeValue::Table(inner)) => {
                         let prefix = format!("{full}.");
                         let known = |t: &&dyn Params| t.table() == full || t.table().starts_with(&prefix);
@@ -286,17 +320,25 @@ impl Scene {
     pub fn to_toml(&self) -> String {
         let mut text =
             format!("{SAVED_MARK}\nversion = {VERSION}\npreset = {}\n", toml::Value::from(self.preset.as_str()));
-        for table in self.tables() {
+        let own = self.tables().map(|table| (format!("[{}]", table.table()), false, table));
+        let bodies = self.bodies.iter().map(|body| ("[[bodies]]".to_string(), true, body as &dyn Params));
+        for (header, always, table) in own.into_iter().chain(bodies) {
             let changed = table.describe().into_iter().filter_map(|info| {
                 let value = table.get(info.name)?;
                 (value != info.default && value != Value::Unset).then_some((info, value))
             });
-            let mut header = Some(table.table());
-            for (info, value) in changed {
-                if let Some(name) = header.take() {
+            let mut header = Some(header);
+            let mut begin = |text: &mut String| {
+                if let Some(header) = header.take() {
                     // Writing to a String cannot fail.
-                    let _ = write!(text, "\n[{name}]\n");
+                    let _ = write!(text, "\n{header}\n");
                 }
+            };
+            if always {
+                begin(&mut text);
+            }
+            for (info, value) in changed {
+                begin(&mut text);
                 let value = match value {
                     // 1280, not 1280.0: all that fit are exact.
                     Value::Number(number) if number.fract() == 0.0 && number.abs() < 1e15 => {
@@ -324,6 +366,32 @@ impl Scene {
         let text = std::fs::read_to_string(&path).map_err(|source| Error::Read { path: path.clone(), source })?;
         Ok(Preset::from_toml(&text, &path.display().to_string())?)
     }
+}
+
+/// The tables of `[[bodies]]` with where they stand.
+fn bodies<'a>(
+    list: impl Iterator<Item = (usize, &'a DeValue<'a>)>,
+    error: &dyn Fn(usize, String) -> Error,
+) -> Result<Vec<BodyParams>> {
+    let mut all = Vec::new();
+    for (at, item) in list {
+        let DeValue::Table(table) = item else {
+            return Err(error(at, "bodies are written [[bodies]], a table for each".into()));
+        };
+        if all.len() == MOST_FAR_BODIES {
+            return Err(error(at, format!("a scene has at most {MOST_FAR_BODIES} tables [[bodies]]")));
+        }
+        let mut body = BodyParams::default();
+        for (key, value) in table {
+            let at = key.span().start;
+            let value = plain(value.get_ref()).ok_or_else(|| {
+                error(at, format!("bodies.{} takes a number, true, false or a text in quotes", key.get_ref()))
+            })?;
+            body.set(key.get_ref(), &value).map_err(|e| error(at, e.to_string()))?;
+        }
+        all.push(body);
+    }
+    Ok(all)
 }
 
 fn plain(value: &DeValue<'_>) -> Option<Value> {

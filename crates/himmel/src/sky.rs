@@ -32,7 +32,8 @@ impl Sky {
     }
 
     fn with_model(device: &wgpu::Device, queue: &wgpu::Queue, target: &Target, model: SkyModel) -> Result<Self> {
-        let renderer = SkyRenderer::new(device, queue, target, model.atmosphere())?;
+        let mut renderer = SkyRenderer::new(device, queue, target, model.atmosphere())?;
+        renderer.set_far_airs(&model.far_airs())?;
         Ok(Self { model, renderer, frame_seconds: None })
     }
 
@@ -69,10 +70,14 @@ impl Sky {
 
     /// Takes all settings from a scene.
     pub fn set_scene(&mut self, scene: &Scene) -> Result<()> {
+        let before = self.model.atmosphere().wavelengths_nm();
         if self.model.set_scene(scene)? {
+            if self.model.atmosphere().wavelengths_nm() != before {
+                self.renderer.set_far_airs(&[])?;
+            }
             self.renderer.set_atmosphere(self.model.atmosphere())?;
         }
-        Ok(())
+        Ok(self.renderer.set_far_airs(&self.model.far_airs())?)
     }
 
     /// Records this frame's small uploads. Any number of views: stereo, cube faces, split screens.

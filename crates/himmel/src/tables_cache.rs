@@ -43,12 +43,21 @@ impl TablesCache {
         &self.folder
     }
 
-    /// Fills a renderer's tables from their file; false where there is none, or none that fits: the renderer then builds them.
+    /// Fills a renderer's tables, those of other bodies too, from their files; false where there is none, or none that fits: the renderer then builds them.
     /// A broken file is told of in the log and written anew by [`store`](Self::store).
     pub fn load(&self, renderer: &mut SkyRenderer) -> bool {
-        let Ok(path) = self.path(renderer) else { return false };
+        let home = self.load_of(renderer, None);
+        (0..renderer.far_air_count()).fold(home, |all, air| self.load_of(renderer, Some(air)) && all)
+    }
+
+    fn load_of(&self, renderer: &mut SkyRenderer, air: Option<usize>) -> bool {
+        let Ok(path) = self.path(renderer, air) else { return false };
         let Ok(bytes) = std::fs::read(&path) else { return false };
-        match renderer.load_tables(&bytes) {
+        let loaded = match air {
+            None => renderer.load_tables(&bytes),
+            Some(air) => renderer.load_far_tables(air, &bytes),
+        };
+        match loaded {
             Ok(()) => true,
             Err(error) => {
                 tracing::warn!(%error, path = %path.display(), "saved tables are not used");
@@ -60,16 +69,26 @@ impl TablesCache {
     /// Writes a renderer's finished tables, under another name first, so that a file is whole or not there. The oldest files
     /// go where there are more than 64.
     pub fn store(&self, renderer: &SkyRenderer) -> Result<()> {
-        let bytes = renderer.save_tables()?.wait()?;
         let error = |source: std::io::Error| Error::Write { path: self.folder.clone(), reason: source.to_string() };
         std::fs::create_dir_all(&self.folder).map_err(error)?;
-        save_bytes(&bytes, &self.path(renderer)?)?;
+        for air in std::iter::once(None).chain((0..renderer.far_air_count()).map(Some)) {
+            let read = match air {
+                None => renderer.save_tables()?,
+                Some(air) => renderer.save_far_tables(air)?,
+            };
+            save_bytes(&read.wait()?, &self.path(renderer, air)?)?;
+        }
         self.tidy();
         Ok(())
     }
 
-    fn path(&self, renderer: &SkyRenderer) -> Result<PathBuf> {
-        Ok(self.folder.join(format!("{}.air", renderer.tables_key()?)))
+    /// The file of the sky's own air, or of another body's.
+    fn path(&self, renderer: &SkyRenderer, air: Option<usize>) -> Result<PathBuf> {
+        let key = match air {
+            None => renderer.tables_key()?,
+            Some(air) => renderer.far_tables_key(air)?,
+        };
+        Ok(self.folder.join(format!("{key}.air")))
     }
 
     fn tidy(&self) {

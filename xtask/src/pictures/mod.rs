@@ -10,11 +10,11 @@ use image::codecs::jpeg::JpegEncoder;
 use image::imageops::{self, FilterType};
 use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
 
-use sheets::{SHEETS, Sheet};
+use sheets::{BANDS, SHEETS, Sheet};
 
 pub const USAGE: &str = "cargo xtask pictures [NAME…] [--output FOLDER] [--kept FOLDER] [--noise PERCENT]
     names: strip, orbit-traced, mars-noon, mars-sunset, titan, titan-reference, haze, eclipse, moon, moon-2010,
-           moon-2022, moon-2023; all of them without a name
+           moon-2022, moon-2023, body-giant, body-setting, body-moonlet; all of them without a name
     --output  where the JPEGs go (docs/images)
     --kept    where the tracer's samples are kept (target/pictures): a run that was stopped goes on where it was
     --noise   trace until half of the pixels have this standard error (6), or 1,024 paths";
@@ -73,13 +73,13 @@ fn draw(sheet: &Sheet, gpu: &Gpu, kept: &Path, noise: f64) -> Result<RgbImage, S
     let whole = [(width + GAP) * across - GAP, (height + GAP) * down - GAP];
     let mut picture = RgbImage::from_pixel(whole[0], whole[1], Rgb([255; 3]));
     for (column, (label, settings)) in sheet.tiles.iter().enumerate() {
-        let model = model(sheet, settings, 1)?;
+        let model = model(sheet, settings, 1, kept)?;
         let ours = render(gpu, &model, Output::Display, &mut |_| true).map_err(|error| error.to_string())?;
         let place = |row: u32| if columns == 1 { [row, 0] } else { [column as u32, row] };
         put(&mut picture, &ours.pixels, sheet.size, place(0));
         let mut line = format!("| {} | {label} | {:.2} |", sheet.name, ours.ev100);
         if let Some(smaller) = sheet.traced {
-            let model = self::model(sheet, settings, smaller)?;
+            let model = self::model(sheet, settings, smaller, kept)?;
             let name = format!("{}{}{label}", sheet.name, if label.is_empty() { "" } else { " " });
             let traced = trace(&model, &kept.join(format!("{name}.samples")), &name, noise)?;
             // What is metered already has its compensation.
@@ -115,16 +115,39 @@ const NO_NIGHT: [(&str, &str); 6] = [
     ("night.milky_way.enabled", "off"),
 ];
 
-fn model(sheet: &Sheet, settings: &[(&str, &str)], smaller: u32) -> Result<SkyModel, String> {
+fn model(sheet: &Sheet, settings: &[(&str, &str)], smaller: u32, kept: &Path) -> Result<SkyModel, String> {
     let [width, height] = sheet.size.map(|side| (side / smaller).to_string());
     let size = [("output.width_px", width.as_str()), ("output.height_px", height.as_str())];
     let mut scene = Scene { preset: sheet.preset.into(), ..Scene::default() };
     // The tracer knows the air and the Sun alone.
     let dark = sheet.traced.map_or(&[][..], |_| &NO_NIGHT);
     for (key, value) in sheet.common.iter().chain(settings).chain(&size).chain(dark) {
-        scene.set(key, value).map_err(|error| error.to_string())?;
+        let value = if *value == BANDS { bands(kept)? } else { (*value).to_string() };
+        scene.set(key, &value).map_err(|error| error.to_string())?;
     }
     SkyModel::new(&scene).map_err(|error| error.to_string())
+}
+
+/// A map of a giant's bands: sums of waves over latitude, bent by waves over longitude. Returns its path.
+fn bands(folder: &Path) -> Result<String, String> {
+    const HEIGHT: u32 = 1024;
+    let mut map = RgbImage::new(2 * HEIGHT, HEIGHT);
+    for (x, y, pixel) in map.enumerate_pixels_mut() {
+        let longitude = f64::from(x) / f64::from(HEIGHT) * std::f64::consts::PI;
+        let latitude = 90.0 - 180.0 * (f64::from(y) + 0.5) / f64::from(HEIGHT);
+        let waves = 1.2 * (9.0 * longitude + latitude / 7.0).sin() + 0.5 * (23.0 * longitude - latitude / 3.0).sin();
+        let bent = latitude + waves * (-(latitude / 45.0).powi(2)).exp();
+        let light = 0.5 + 0.5 * (0.33 * bent).sin() * (0.11 * bent + 1.0).cos() + 0.08 * (1.1 * bent).sin();
+        let (dark, bright) = ([0.50, 0.38, 0.27], [0.86, 0.80, 0.70]);
+        *pixel = Rgb([0, 1, 2].map(|k| {
+            let albedo: f64 = dark[k] + (bright[k] - dark[k]) * light.clamp(0.0, 1.0);
+            // sRGB, whose linear foot is far below.
+            ((1.055 * albedo.powf(1.0 / 2.4) - 0.055) * 255.0).round() as u8
+        }));
+    }
+    let path = folder.join("bands.png");
+    map.save(&path).map_err(|error| error.to_string())?;
+    Ok(path.display().to_string())
 }
 
 /// The tracer's picture, from what is kept of it on.

@@ -25,10 +25,83 @@ macro_rules! at {
     };
 }
 
+/// Stands for a map of bands that is made for the picture.
+pub const BANDS: &str = "{bands}";
+
 /// One tile, without settings of its own.
 const ONE: &[(&str, Settings)] = &[("", &[])];
 
-pub const SHEETS: [Sheet; 12] = [
+pub const SHEETS: [Sheet; 15] = [
+    // A giant with bands under one bar of hydrogen, half lit, in the day of a moon with thin air.
+    Sheet {
+        name: "body-giant",
+        preset: "earth-clean",
+        size: [640, 360],
+        traced: None,
+        common: &[
+            ("observer.place", "0,0"),
+            ("clock.time", "2012-09-06T12:00Z"),
+            ("air.molecules", "0.3"),
+            ("air.aerosols", "0.2"),
+            ("light.sun.azimuth_deg", "285"),
+            ("light.sun.altitude_deg", "25"),
+            ("body.moon.enabled", "off"),
+            ("camera.look", "190,14"),
+            ("camera.fov_deg", "42"),
+            ("bodies.0.name", "giant"),
+            ("bodies.0.preset", "giant"),
+            ("bodies.0.molecules", "0.1"),
+            ("bodies.0.albedo_map", BANDS),
+            ("bodies.0.azimuth_deg", "196"),
+            ("bodies.0.altitude_deg", "14"),
+            ("bodies.0.distance_km", "420000"),
+            ("bodies.0.tilt_deg", "20"),
+        ],
+        tiles: ONE,
+    },
+    // Mars, 80,000 km away, behind the Earth's limb from 400 km.
+    Sheet {
+        name: "body-setting",
+        preset: "earth",
+        size: [640, 360],
+        traced: None,
+        common: &[
+            ("observer.place", "0,0"),
+            ("clock.time", "2012-09-06T12:00Z"),
+            ("observer.altitude_m", "400000"),
+            ("light.sun.azimuth_deg", "200"),
+            ("light.sun.altitude_deg", "10"),
+            ("body.moon.enabled", "off"),
+            ("camera.look", "90,-19"),
+            ("camera.fov_deg", "9"),
+            ("bodies.0.preset", "mars"),
+            ("bodies.0.azimuth_deg", "90"),
+            ("bodies.0.altitude_deg", "-19.2"),
+            ("bodies.0.distance_km", "80000"),
+        ],
+        tiles: ONE,
+    },
+    // A moon of 400 km radius with air, 1,400 km away, before Mars from 6,000 km.
+    Sheet {
+        name: "body-moonlet",
+        preset: "mars",
+        size: [640, 360],
+        traced: None,
+        common: &[
+            ("observer.place", "0,0"),
+            ("clock.time", "2012-09-06T12:00Z"),
+            ("observer.altitude_m", "6000000"),
+            ("light.sun.azimuth_deg", "250"),
+            ("light.sun.altitude_deg", "35"),
+            ("camera.look", "180,-62"),
+            ("camera.fov_deg", "50"),
+            ("bodies.0.preset", "moonlet"),
+            ("bodies.0.azimuth_deg", "205"),
+            ("bodies.0.altitude_deg", "-52"),
+            ("bodies.0.distance_km", "1400"),
+        ],
+        tiles: ONE,
+    },
     // Horizon at the lower sixth, the sky up to 75°: the Sun of the first column is in it.
     Sheet {
         name: "strip",

@@ -83,7 +83,8 @@ struct ViewUniform {
     shadow: ShadowUniform,
     // Radius of the occluder, in radii of the Sun, that the eclipse table is made for.
     table_b: f32,
-    padding_0: f32,
+    // Whose air a station of another body is for.
+    body: u32,
     // Layer of the night's grid that is the view's; what its 1 is, cd/m².
     night_layer: u32,
     night_unit: f32,

@@ -102,8 +102,8 @@ gpu_struct! {
         pub shadow: ShadowUniform,
         /// Occluder's radius of the eclipse table.
         pub table_b: f32,
-        /// Fills up.
-        pub padding_0: f32,
+        /// Whose air a station is for.
+        pub body: u32,
         /// Layer of the night's grid.
         pub night_layer: u32,
         /// What its 1 is, cd/m².

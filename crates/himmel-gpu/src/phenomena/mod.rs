@@ -1,6 +1,7 @@
 //! One folder for each thing you can see.
 
 pub mod air;
+pub mod bodies;
 pub mod ground;
 pub mod moon;
 pub mod night_glow;

@@ -115,6 +115,9 @@ fn flattened(share: f32, dt: f32) -> f32 {
 // One invocation a row; the last row holds the scales of the sky view, a column for each light.
 @compute @workgroup_size(8)
 fn fill_cells(@builtin(global_invocation_id) id: vec3u) {
+    if far_airs {
+        body = view.body;
+    }
     let rows = textureDimensions(cells_out).y - 1u;
     let altitude = min(view.altitude_m, airs[body].top_altitude_m);
     if id.x < rows {

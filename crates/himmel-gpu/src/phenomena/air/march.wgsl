@@ -119,6 +119,16 @@ fn texel_mu(y: i32, rows: i32, altitude_m: f32) -> f32 {
     return select(max(mu, horizon + 1e-6), min(mu, horizon - 1e-6), y < rows_below(rows));
 }
 
+// Station of another body.
+var<private> far_station: u32 = 0u;
+
+fn cell_layer() -> u32 {
+    if far_airs && body != 0u {
+        return far_station;
+    }
+    return view.station;
+}
+
 // Rows of the cell table that are for rays; one more is for scales.
 fn cell_rows() -> i32 {
     return i32(textureDimensions(cell_table).y) - 1;
@@ -129,13 +139,13 @@ fn cell_texel(x: i32, row: f32) -> vec2f {
     let last = cell_rows() - 1;
     if group_cells > 1u {
         // The nearest row: it only decides where cells lie.
-        return textureLoad(cell_table, vec2i(x, clamp(i32(row + 0.5), 0, last)), view.station, 0).xy;
+        return textureLoad(cell_table, vec2i(x, clamp(i32(row + 0.5), 0, last)), cell_layer(), 0).xy;
     }
     let base = clamp(i32(row), 0, max(last - 1, 0));
     let next = min(base + 1, last);
     return mix(
-        textureLoad(cell_table, vec2i(x, base), view.station, 0).xy,
-        textureLoad(cell_table, vec2i(x, next), view.station, 0).xy,
+        textureLoad(cell_table, vec2i(x, base), cell_layer(), 0).xy,
+        textureLoad(cell_table, vec2i(x, next), cell_layer(), 0).xy,
         clamp(row - f32(base), 0.0, 1.0),
     );
 }

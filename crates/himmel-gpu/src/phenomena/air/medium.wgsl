@@ -74,6 +74,8 @@ struct AirUniform {
 // ln of the ground's irradiance by the sky over the moment table's columns; row: body.
 @group(0) @binding(7) var ground_table: texture_2d<f32>;
 
+// Whether other bodies than the one that the camera stands on or above have a part in this pass.
+override far_airs: bool = false;
 // Which body's air the functions below read.
 var<private> body: u32 = 0u;
 

@@ -19,6 +19,8 @@ mod stations;
 mod tables;
 pub mod uniform;
 
+use std::sync::Arc;
+
 use himmel_air::eclipse::EclipseTable;
 use himmel_air::moments::Prepared;
 use himmel_air::{AirQuality, Atmosphere};
@@ -46,6 +48,8 @@ pub(crate) struct Air {
     pub layout: wgpu::BindGroupLayout,
     pub group: wgpu::BindGroup,
     peak_layers: usize,
+    /// The airs of other bodies.
+    far: Vec<FarAir>,
     eclipse: wgpu::Texture,
     /// Radius of the occluder that the eclipse table holds; 0: none.
     eclipse_b: f64,
@@ -53,6 +57,16 @@ pub(crate) struct Air {
     exposure: wgpu::TextureView,
     /// Finished tables of airs that were in hand before.
     kept: Kept,
+}
+
+/// The air of another body.
+struct FarAir {
+    atmosphere: Arc<Atmosphere>,
+    peak_layers: usize,
+    first_layer: usize,
+    /// While its tables are not full.
+    builder: Option<Builder>,
+    cancelled: bool,
 }
 
 impl Air {
@@ -93,26 +107,9 @@ impl Air {
             (8, Slot::Table),
         ];
         let layout = layout(device, "air", wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE, &slots);
-        let textures = [&tables.density, &tables.depth, &tables.moments, &tables.peaks].map(layers);
-        let ground = tables.ground.create_view(&Default::default());
         let eclipse = tables::eclipse_texture(device);
-        let group = bind(
-            device,
-            "air",
-            &layout,
-            &[
-                (0, Bound::Buffer(frame_buffer)),
-                (1, Bound::Buffer(&tables.uniforms)),
-                (2, Bound::View(&textures[0])),
-                (3, Bound::View(&textures[1])),
-                (4, Bound::View(&textures[2])),
-                (5, Bound::View(&textures[3])),
-                (6, Bound::View(exposure)),
-                (7, Bound::View(&ground)),
-                (8, Bound::View(&eclipse.create_view(&Default::default()))),
-            ],
-        );
-        let mut builder = Builder::new(device, queue, &sizes, &tables)?;
+        let group = air_group(device, &layout, &tables, frame_buffer, exposure, &eclipse);
+        let mut builder = Builder::new(device, queue, &sizes, &tables, 0)?;
         builder.begin(0, true);
         let stations = Stations::new(device, &sizes, &tables, &layout)?;
         Ok(Self {
@@ -123,6 +120,7 @@ impl Air {
             layout,
             group,
             peak_layers,
+            far: Vec::new(),
             eclipse,
             eclipse_b: 0.0,
             frame_buffer: frame_buffer.clone(),
@@ -141,10 +139,11 @@ impl Air {
         atmosphere: &Atmosphere,
     ) -> Result<bool, GpuError> {
         if self.builder.is_complete() && self.kept.capacity() > 0 {
-            self.kept.keep(device, queue, self.key(device)?, self.tables.computed());
+            self.kept.keep(device, queue, self.key(device, 0)?, self.tables.computed(0));
         }
         let renewed = self.take(device, queue, sizes, atmosphere)?;
-        if self.kept.capacity() > 0 && self.kept.restore(device, queue, &self.key(device)?, self.tables.computed()) {
+        if self.kept.capacity() > 0 && self.kept.restore(device, queue, &self.key(device, 0)?, self.tables.computed(0))
+        {
             self.builder.finish();
         }
         Ok(renewed)
@@ -167,7 +166,9 @@ impl Air {
             }
         }
         let (frame_buffer, exposure) = (self.frame_buffer.clone(), self.exposure.clone());
-        let new = Self::with_prepared(device, queue, sizes, atmosphere, &prepared, &frame_buffer, &exposure)?;
+        let mut new = Self::with_prepared(device, queue, sizes, atmosphere, &prepared, &frame_buffer, &exposure)?;
+        let far: Vec<_> = self.far.iter().map(|far| Arc::clone(&far.atmosphere)).collect();
+        new.set_far(device, queue, &far)?;
         let kept = std::mem::take(&mut self.kept);
         *self = Self { kept, ..new };
         Ok(true)
@@ -183,29 +184,129 @@ impl Air {
         self.kept.bytes()
     }
 
-    /// What the tables are made of.
-    pub(crate) fn key(&self, device: &wgpu::Device) -> Result<TablesKey, GpuError> {
-        TablesKey::new(&self.sizes, &self.tables, &device.adapter_info())
+    /// Takes the airs of other bodies; true if the bind group of the tables is new. Those that stay where they were are not
+    /// rebuilt.
+    pub(crate) fn set_far(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        airs: &[Arc<Atmosphere>],
+    ) -> Result<bool, GpuError> {
+        let stays = |index: usize| {
+            let (old, new) = (self.far.get(index), airs.get(index));
+            old.zip(new).is_some_and(|(old, new)| Arc::ptr_eq(&old.atmosphere, new))
+        };
+        if airs.len() == self.far.len() && (0..airs.len()).all(stays) {
+            return Ok(false);
+        }
+        if airs.len() >= MOST_BODIES {
+            let most = MOST_BODIES - 1;
+            return Err(GpuError::Air(format!("of {} other bodies; the renderer takes at most {most}", airs.len())));
+        }
+        let prepared: Vec<_> = airs.iter().map(|air| Prepared::new(&air.sampled(), &self.sizes.moments)).collect();
+        // Everything that can fail comes before anything that changes.
+        for (air, prepared) in airs.iter().zip(&prepared) {
+            AirUniform::new(air, prepared, 0)?;
+        }
+        let kept: Vec<bool> = (0..airs.len()).map(stays).collect();
+        let layers = |prepared: &Prepared| prepared.aerosols.len().max(1);
+        let room = (airs.len() as u32 + 1, (self.peak_layers + prepared.iter().map(layers).sum::<usize>()) as u32);
+        let renewed = room != self.tables.room();
+        if renewed {
+            let mut tables = Tables::new(device, &self.sizes, room.0, room.1);
+            tables.take(device, queue, &self.tables, 1 + airs.len().min(self.far.len()));
+            self.tables = tables;
+            self.builder.rebind(device, &self.tables);
+            for builder in self.far.iter_mut().filter_map(|far| far.builder.as_mut()) {
+                builder.rebind(device, &self.tables);
+            }
+            self.group =
+                air_group(device, &self.layout, &self.tables, &self.frame_buffer, &self.exposure, &self.eclipse);
+        }
+        let mut old: Vec<_> = std::mem::take(&mut self.far).into_iter().map(Some).collect();
+        let mut first_layer = self.peak_layers;
+        for (index, (air, prepared)) in airs.iter().zip(&prepared).enumerate() {
+            let body = index + 1;
+            let known = old.get_mut(index).and_then(Option::take).filter(|_| kept[index]);
+            if known.as_ref().is_none_or(|far| far.first_layer != first_layer) {
+                self.tables.upload(queue, body, air, prepared, first_layer)?;
+            }
+            let far = match known {
+                Some(far) => FarAir { first_layer, ..far },
+                None => {
+                    let mut builder = Builder::new(device, queue, &self.sizes, &self.tables, body)?;
+                    builder.begin(body as u32, true);
+                    let (atmosphere, peak_layers) = (Arc::clone(air), layers(prepared));
+                    FarAir { atmosphere, peak_layers, first_layer, builder: Some(builder), cancelled: false }
+                }
+            };
+            first_layer += far.peak_layers;
+            self.far.push(far);
+        }
+        if !airs.is_empty() {
+            self.stations.with_far(device, &self.layout, self.all_constants())?;
+        }
+        Ok(renewed)
+    }
+
+    /// The airs of other bodies.
+    pub(crate) fn far(&self) -> impl Iterator<Item = &Atmosphere> {
+        self.far.iter().map(|far| far.atmosphere.as_ref())
+    }
+
+    /// What the tables of a body are made of.
+    pub(crate) fn key(&self, device: &wgpu::Device, body: usize) -> Result<TablesKey, GpuError> {
+        if body > self.far.len() {
+            return Err(GpuError::Tables(format!("there are {} airs of other bodies, not {body}", self.far.len())));
+        }
+        TablesKey::new(&self.sizes, &self.tables, body, &device.adapter_info())
+    }
+
+    fn is_complete(&self, body: usize) -> bool {
+        match body.checked_sub(1) {
+            None => self.builder.is_complete(),
+            Some(index) => self.far.get(index).is_some_and(|far| far.builder.is_none() && !far.cancelled),
+        }
     }
 
     /// Starts to read the finished tables back.
-    pub(crate) fn save(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> Result<TablesReadBack, GpuError> {
-        if !self.builder.is_complete() {
+    pub(crate) fn save(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        body: usize,
+    ) -> Result<TablesReadBack, GpuError> {
+        let key = self.key(device, body)?;
+        if !self.is_complete(body) {
             return Err(GpuError::Tables("they are not finished: wait until nothing is rebuilding".into()));
         }
-        Ok(TablesReadBack::new(device, queue, self.key(device)?, self.tables.computed()))
+        Ok(TablesReadBack::new(device, queue, key, self.tables.computed(body)))
     }
 
     /// Fills the tables from what was saved.
-    pub(crate) fn load(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, bytes: &[u8]) -> Result<(), GpuError> {
-        saved::load(queue, &self.key(device)?, self.tables.computed(), bytes)?;
-        self.builder.finish();
+    pub(crate) fn load(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        body: usize,
+        bytes: &[u8],
+    ) -> Result<(), GpuError> {
+        saved::load(queue, &self.key(device, body)?, self.tables.computed(body), bytes)?;
+        match body.checked_sub(1).and_then(|index| self.far.get_mut(index)) {
+            None => self.builder.finish(),
+            Some(far) => (far.builder, far.cancelled) = (None, false),
+        }
         Ok(())
     }
 
     /// Values of the shaders' overrides for the air in hand.
     pub(crate) fn constants(&self) -> [(&'static str, f64); 2] {
-        self.tables.constants()
+        self.tables.constants(0..1)
+    }
+
+    /// The same for shaders that go from body to body.
+    pub(crate) fn all_constants(&self) -> [(&'static str, f64); 2] {
+        self.tables.constants(0..self.far.len() + 1)
     }
 
     /// Makes the eclipse table fit an occluder of so many radii of the Sun; returns the radius that it holds for.
@@ -233,20 +334,38 @@ impl Air {
         pace: Pace,
         write: &mut Upload<'_>,
     ) {
+        let busy = self.builder.state().is_some();
         self.builder.record(device, encoder, pace, write);
+        if busy && pace != Pace::AtOnce {
+            return;
+        }
+        for far in &mut self.far {
+            let Some(builder) = &mut far.builder else { continue };
+            builder.record(device, encoder, pace, write);
+            if builder.state().is_none() {
+                far.builder = None;
+            }
+            if pace != Pace::AtOnce {
+                return;
+            }
+        }
     }
 
     pub(crate) fn rebuilding(&self) -> Option<Rebuild> {
-        self.builder.state()
+        self.builder.state().or_else(|| self.far.iter().find_map(|far| far.builder.as_ref()?.state()))
     }
 
     pub(crate) fn cancel(&mut self) {
         self.builder.cancel();
+        for far in &mut self.far {
+            far.cancelled |= far.builder.take().is_some();
+        }
     }
 
     /// Memory in bytes: tables, those that are kept, and what building them needs.
     pub(crate) fn bytes(&self) -> u64 {
-        self.tables.bytes() + self.stations.bytes() + self.builder.bytes() + self.kept.bytes()
+        let far: u64 = self.far.iter().filter_map(|far| far.builder.as_ref()).map(Builder::bytes).sum();
+        self.tables.bytes() + self.stations.bytes() + self.builder.bytes() + far + self.kept.bytes()
     }
 
     /// The quality's sizes with a number of cells chosen by hand.
@@ -254,4 +373,33 @@ impl Air {
         let sizes = AirSizes::of(quality);
         AirSizes { steps: steps.unwrap_or(sizes.steps).clamp(4, 4096), ..sizes }
     }
+}
+
+/// The group that shaders read the air by.
+fn air_group(
+    device: &wgpu::Device,
+    layout: &wgpu::BindGroupLayout,
+    tables: &Tables,
+    frame_buffer: &wgpu::Buffer,
+    exposure: &wgpu::TextureView,
+    eclipse: &wgpu::Texture,
+) -> wgpu::BindGroup {
+    let textures = [&tables.density, &tables.depth, &tables.moments, &tables.peaks].map(layers);
+    let ground = tables.ground.create_view(&Default::default());
+    bind(
+        device,
+        "air",
+        layout,
+        &[
+            (0, Bound::Buffer(frame_buffer)),
+            (1, Bound::Buffer(&tables.uniforms)),
+            (2, Bound::View(&textures[0])),
+            (3, Bound::View(&textures[1])),
+            (4, Bound::View(&textures[2])),
+            (5, Bound::View(&textures[3])),
+            (6, Bound::View(exposure)),
+            (7, Bound::View(&ground)),
+            (8, Bound::View(&eclipse.create_view(&Default::default()))),
+        ],
+    )
 }

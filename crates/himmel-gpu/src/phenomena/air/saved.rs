@@ -29,7 +29,12 @@ const SHADERS: [&str; 5] = [
 pub struct TablesKey([u8; 32]);
 
 impl TablesKey {
-    pub(crate) fn new(sizes: &AirSizes, tables: &Tables, adapter: &wgpu::AdapterInfo) -> Result<Self, GpuError> {
+    pub(crate) fn new(
+        sizes: &AirSizes,
+        tables: &Tables,
+        body: usize,
+        adapter: &wgpu::AdapterInfo,
+    ) -> Result<Self, GpuError> {
         let mut hash = Sha256::new_with_prefix(MARK);
         let mut part = |bytes: &[u8]| {
             hash.update((bytes.len() as u64).to_le_bytes());
@@ -38,9 +43,9 @@ impl TablesKey {
         // Floats are kept as the machine has them.
         part(&1f32.to_ne_bytes());
         part(format!("{sizes:?}").as_bytes());
-        tables.fingerprints().iter().for_each(|fingerprint| part(fingerprint));
-        for texture in tables.computed() {
-            part(format!("{:?} {:?}", texture.size(), texture.format()).as_bytes());
+        part(tables.fingerprint(body));
+        for table in tables.computed(body) {
+            part(format!("{:?} {:?}", table.size, table.texture.format()).as_bytes());
         }
         for root in SHADERS {
             part(shader::module(root)?.as_bytes());
@@ -56,9 +61,42 @@ impl std::fmt::Display for TablesKey {
     }
 }
 
-fn rows_of(texture: &wgpu::Texture) -> (usize, usize) {
-    let row = texture.width() as usize * 16;
-    (row, (texture.height() * texture.depth_or_array_layers()) as usize)
+/// What of a table belongs to one body.
+#[derive(Clone, Copy)]
+pub(crate) struct Part<'a> {
+    texture: &'a wgpu::Texture,
+    origin: wgpu::Origin3d,
+    size: wgpu::Extent3d,
+}
+
+impl<'a> Part<'a> {
+    pub(crate) fn layers(texture: &'a wgpu::Texture, first: u32, count: u32) -> Self {
+        let size = wgpu::Extent3d { depth_or_array_layers: count, ..texture.size() };
+        Self { texture, origin: wgpu::Origin3d { x: 0, y: 0, z: first }, size }
+    }
+
+    pub(crate) fn row(texture: &'a wgpu::Texture, row: u32) -> Self {
+        let size = wgpu::Extent3d { height: 1, ..texture.size() };
+        Self { texture, origin: wgpu::Origin3d { x: 0, y: row, z: 0 }, size }
+    }
+
+    fn whole(texture: &'a wgpu::Texture) -> Self {
+        Self { texture, origin: wgpu::Origin3d::ZERO, size: texture.size() }
+    }
+
+    fn place(&self) -> wgpu::TexelCopyTextureInfo<'a> {
+        wgpu::TexelCopyTextureInfo { origin: self.origin, ..self.texture.as_image_copy() }
+    }
+
+    /// Bytes of a row, and rows.
+    fn rows(&self) -> (usize, usize) {
+        (self.size.width as usize * 16, (self.size.height * self.size.depth_or_array_layers) as usize)
+    }
+
+    fn bytes(&self) -> usize {
+        let (row, count) = self.rows();
+        row * count
+    }
 }
 
 fn padded(row: usize) -> usize {
@@ -76,13 +114,8 @@ pub struct TablesReadBack {
 }
 
 impl TablesReadBack {
-    pub(crate) fn new(
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        key: TablesKey,
-        textures: [&wgpu::Texture; 3],
-    ) -> Self {
-        let rows: Vec<_> = textures.iter().map(|texture| rows_of(texture)).collect();
+    pub(crate) fn new(device: &wgpu::Device, queue: &wgpu::Queue, key: TablesKey, tables: [Part<'_>; 3]) -> Self {
+        let rows: Vec<_> = tables.iter().map(Part::rows).collect();
         let buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("air tables, read back"),
             size: rows.iter().map(|&(row, count)| (padded(row) * count) as u64).sum(),
@@ -92,14 +125,14 @@ impl TablesReadBack {
         let mut encoder =
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("air tables, read back") });
         let mut offset = 0;
-        for (texture, &(row, count)) in textures.iter().zip(&rows) {
+        for (table, &(row, count)) in tables.iter().zip(&rows) {
             let layout = wgpu::TexelCopyBufferLayout {
                 offset,
                 bytes_per_row: Some(padded(row) as u32),
-                rows_per_image: Some(texture.height()),
+                rows_per_image: Some(table.size.height),
             };
             let destination = wgpu::TexelCopyBufferInfo { buffer: &buffer, layout };
-            encoder.copy_texture_to_buffer(texture.as_image_copy(), destination, texture.size());
+            encoder.copy_texture_to_buffer(table.place(), destination, table.size);
             offset += (padded(row) * count) as u64;
         }
         let (sender, answer) = std::sync::mpsc::channel();
@@ -186,22 +219,17 @@ fn floats_of<'a>(key: &TablesKey, length: usize, bytes: &'a [u8]) -> Result<&'a 
     Ok(floats)
 }
 
-pub(crate) fn load(
-    queue: &wgpu::Queue,
-    key: &TablesKey,
-    textures: [&wgpu::Texture; 3],
-    bytes: &[u8],
-) -> Result<(), GpuError> {
-    let length = textures.iter().map(|texture| texture_bytes(texture) as usize).sum();
+pub(crate) fn load(queue: &wgpu::Queue, key: &TablesKey, tables: [Part<'_>; 3], bytes: &[u8]) -> Result<(), GpuError> {
+    let length = tables.iter().map(Part::bytes).sum();
     let mut rest = floats_of(key, length, bytes)?;
-    for texture in textures {
-        let (table, after) = rest.split_at(texture_bytes(texture) as usize);
+    for table in tables {
+        let (floats, after) = rest.split_at(table.bytes());
         let layout = wgpu::TexelCopyBufferLayout {
             offset: 0,
-            bytes_per_row: Some(rows_of(texture).0 as u32),
-            rows_per_image: Some(texture.height()),
+            bytes_per_row: Some(table.rows().0 as u32),
+            rows_per_image: Some(table.size.height),
         };
-        queue.write_texture(texture.as_image_copy(), table, layout, texture.size());
+        queue.write_texture(table.place(), floats, layout, table.size);
         rest = after;
     }
     Ok(())
@@ -230,31 +258,25 @@ impl Kept {
     }
 
     /// Copies tables that are about to be overwritten.
-    pub(crate) fn keep(
-        &mut self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        key: TablesKey,
-        textures: [&wgpu::Texture; 3],
-    ) {
+    pub(crate) fn keep(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, key: TablesKey, tables: [Part<'_>; 3]) {
         if let Some(known) = self.airs.iter().position(|(other, _)| *other == key) {
             let air = self.airs.remove(known);
             self.airs.push(air);
             return;
         }
-        let copies = textures.map(|texture| {
+        let copies = tables.map(|table| {
             device.create_texture(&wgpu::TextureDescriptor {
                 label: Some("kept table"),
-                size: texture.size(),
+                size: table.size,
                 mip_level_count: 1,
                 sample_count: 1,
                 dimension: wgpu::TextureDimension::D2,
-                format: texture.format(),
+                format: table.texture.format(),
                 usage: wgpu::TextureUsages::COPY_SRC | wgpu::TextureUsages::COPY_DST,
                 view_formats: &[],
             })
         });
-        copy(device, queue, textures, copies.each_ref());
+        copy(device, queue, tables, copies.each_ref().map(Part::whole));
         self.airs.push((key, copies));
         self.set_capacity(self.capacity);
     }
@@ -265,18 +287,18 @@ impl Kept {
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         key: &TablesKey,
-        textures: [&wgpu::Texture; 3],
+        tables: [Part<'_>; 3],
     ) -> bool {
         let Some((_, kept)) = self.airs.iter().find(|(other, _)| other == key) else { return false };
-        copy(device, queue, kept.each_ref(), textures);
+        copy(device, queue, kept.each_ref().map(Part::whole), tables);
         true
     }
 }
 
-fn copy(device: &wgpu::Device, queue: &wgpu::Queue, from: [&wgpu::Texture; 3], to: [&wgpu::Texture; 3]) {
+fn copy(device: &wgpu::Device, queue: &wgpu::Queue, from: [Part<'_>; 3], to: [Part<'_>; 3]) {
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("kept tables") });
     for (from, to) in from.into_iter().zip(to) {
-        encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), from.size());
+        encoder.copy_texture_to_texture(from.place(), to.place(), from.size);
     }
     queue.submit([encoder.finish()]);
 }

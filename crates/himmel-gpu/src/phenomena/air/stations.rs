@@ -23,6 +23,8 @@ pub(crate) struct Stations {
     sky_view: wgpu::Texture,
     sky_view_rays: Option<[u32; 2]>,
     cells_pipeline: wgpu::ComputePipeline,
+    /// For other bodies' air, once there is some.
+    far_cells_pipeline: Option<wgpu::ComputePipeline>,
     march_pipeline: wgpu::ComputePipeline,
     refine_pipeline: wgpu::ComputePipeline,
     cells_layout: wgpu::BindGroupLayout,
@@ -63,7 +65,7 @@ impl Stations {
         let march_layout = layout(device, "sky view rays", only, &[(0, Slot::WriteLayers(RAYS_FORMAT))]);
         let slots = [(0, Slot::Layers), (1, Slot::WriteLayers(SKY_VIEW_FORMAT))];
         let refine_layout = layout(device, "sky view", only, &slots);
-        let constants = tables.constants();
+        let constants = tables.constants(0..1);
         let cells_pipeline = compute(
             device,
             &pass::module(device, "phenomena/air/cells.wgsl")?,
@@ -92,6 +94,7 @@ impl Stations {
             sky_view,
             sky_view_rays: sizes.sky_view,
             cells_pipeline,
+            far_cells_pipeline: None,
             march_pipeline,
             refine_pipeline,
             cells_layout,
@@ -146,10 +149,34 @@ impl Stations {
         });
     }
 
-    /// Places the cells of a station, whose uniform lies at an offset.
-    pub(crate) fn record_cells(&self, pass: &mut wgpu::ComputePass<'_>, air_group: &wgpu::BindGroup, offset: u32) {
-        let Some(groups) = &self.groups else { return };
-        pass.set_pipeline(&self.cells_pipeline);
+    /// Makes what places cells in other bodies' air.
+    pub(crate) fn with_far(
+        &mut self,
+        device: &wgpu::Device,
+        air_layout: &wgpu::BindGroupLayout,
+        [groups, aerosols]: [(&'static str, f64); 2],
+    ) -> Result<(), GpuError> {
+        self.far_cells_pipeline = Some(compute(
+            device,
+            &pass::module(device, "phenomena/air/cells.wgsl")?,
+            "fill_cells",
+            &[groups, aerosols, ("far_airs", 1.0)],
+            &[air_layout, &self.station_layout, &self.cells_layout],
+        ));
+        Ok(())
+    }
+
+    /// Places the cells of a station, whose uniform lies at an offset. `far`: in another body's air.
+    pub(crate) fn record_cells(
+        &self,
+        pass: &mut wgpu::ComputePass<'_>,
+        air_group: &wgpu::BindGroup,
+        offset: u32,
+        far: bool,
+    ) {
+        let pipeline = if far { self.far_cells_pipeline.as_ref() } else { Some(&self.cells_pipeline) };
+        let (Some(groups), Some(pipeline)) = (&self.groups, pipeline) else { return };
+        pass.set_pipeline(pipeline);
         pass.set_bind_group(0, air_group, &[]);
         pass.set_bind_group(1, &groups.station, &[offset]);
         pass.set_bind_group(2, &groups.cells, &[]);

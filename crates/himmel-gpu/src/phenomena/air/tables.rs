@@ -5,6 +5,7 @@ use himmel_air::eclipse::{CROSSING, INSIDE};
 use himmel_air::moments::{Prepared, sun_columns};
 use sha2::{Digest, Sha256};
 
+use super::saved::Part;
 use super::sizes::AirSizes;
 use super::uniform::{AirUniform, MOST_BODIES};
 use crate::error::GpuError;
@@ -12,7 +13,7 @@ use crate::error::GpuError;
 /// Rows of the density table: four for sixteen species, one for the columns of the moment table.
 const DENSITY_ROWS: u32 = 5;
 
-/// The tables of all bodies: one layer (or several) for each.
+/// The tables of all bodies: one layer (or several) for each. The first is the one that the camera stands on or above.
 pub(crate) struct Tables {
     pub uniforms: wgpu::Buffer,
     pub density: wgpu::Texture,
@@ -74,7 +75,9 @@ impl Tables {
     ) -> Result<(), GpuError> {
         self.airs[body] = AirUniform::new(atmosphere, prepared, first_layer)?;
         queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&self.airs));
-        let mut fingerprint = Sha256::new_with_prefix(bytemuck::bytes_of(&self.airs[body]));
+        // Where its peaks lie among those of other bodies is no part of an air.
+        let alone = AirUniform::new(atmosphere, prepared, 0)?;
+        let mut fingerprint = Sha256::new_with_prefix(bytemuck::bytes_of(&alone));
         let (medium, width) = (atmosphere.medium(), self.density.width() as usize);
         let altitude_m = |x: usize| medium.top_altitude_m * (x as f64 / (width - 1) as f64).powi(2);
         let mut density = vec![[0f32; 4]; width * DENSITY_ROWS as usize];
@@ -107,19 +110,51 @@ impl Tables {
         Ok(())
     }
 
-    /// Of everything that was uploaded.
-    pub(crate) fn fingerprints(&self) -> &[[u8; 32]] {
-        &self.fingerprints
+    /// Takes over what another one holds, as far as there is room; `bodies` of them stay.
+    pub(crate) fn take(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, old: &Self, bodies: usize) {
+        let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("air tables") });
+        let pairs = [
+            (&old.density, &self.density),
+            (&old.depth, &self.depth),
+            (&old.moments, &self.moments),
+            (&old.peaks, &self.peaks),
+            (&old.ground, &self.ground),
+        ];
+        for (from, to) in pairs {
+            let least = |size: fn(&wgpu::Texture) -> u32| size(from).min(size(to));
+            let size = wgpu::Extent3d {
+                width: least(wgpu::Texture::width),
+                height: least(wgpu::Texture::height),
+                depth_or_array_layers: least(wgpu::Texture::depth_or_array_layers),
+            };
+            encoder.copy_texture_to_texture(from.as_image_copy(), to.as_image_copy(), size);
+        }
+        queue.submit([encoder.finish()]);
+        self.airs[..bodies].copy_from_slice(&old.airs[..bodies]);
+        self.fingerprints[..bodies].copy_from_slice(&old.fingerprints[..bodies]);
+        queue.write_buffer(&self.uniforms, 0, bytemuck::cast_slice(&self.airs));
+    }
+
+    /// Bodies and aerosols that there is room for.
+    pub(crate) fn room(&self) -> (u32, u32) {
+        (self.density.depth_or_array_layers(), self.peaks.depth_or_array_layers())
+    }
+
+    /// Of everything that was uploaded for a body.
+    pub(crate) fn fingerprint(&self, body: usize) -> &[u8; 32] {
+        &self.fingerprints[body]
     }
 
     /// What is computed from it: the tables that can be saved.
-    pub(crate) fn computed(&self) -> [&wgpu::Texture; 3] {
-        [&self.depth, &self.moments, &self.ground]
+    pub(crate) fn computed(&self, body: usize) -> [Part<'_>; 3] {
+        let layers = |texture, count: u32| Part::layers(texture, count * body as u32, count);
+        [layers(&self.depth, 2), layers(&self.moments, 6), Part::row(&self.ground, body as u32)]
     }
 
-    /// Values of the shaders' overrides for the air in hand, see `medium.wgsl`.
-    pub(crate) fn constants(&self) -> [(&'static str, f64); 2] {
-        let most = |count: &dyn Fn(&AirUniform) -> u32| f64::from(self.airs.iter().map(count).max().unwrap_or(0));
+    /// Values of the shaders' overrides for the airs of some bodies, see `medium.wgsl`.
+    pub(crate) fn constants(&self, bodies: std::ops::Range<usize>) -> [(&'static str, f64); 2] {
+        let airs = self.airs.get(bodies).unwrap_or_default();
+        let most = |count: &dyn Fn(&AirUniform) -> u32| f64::from(airs.iter().map(count).max().unwrap_or(0));
         [
             ("species_groups", most(&|air| air.species_count.div_ceil(4)).max(1.0)),
             ("aerosols", most(&|air| air.aerosol_count)),

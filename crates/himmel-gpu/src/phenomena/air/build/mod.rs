@@ -135,6 +135,8 @@ pub(crate) struct Builder {
     first_pipeline: wgpu::ComputePipeline,
     next_pipeline: wgpu::ComputePipeline,
     resolve_pipeline: wgpu::ComputePipeline,
+    /// Layouts of the groups that hold tables: medium, with depth, depth, resolve.
+    table_layouts: [wgpu::BindGroupLayout; 4],
     medium_group: wgpu::BindGroup,
     with_depth_group: wgpu::BindGroup,
     depth_group: wgpu::BindGroup,
@@ -146,6 +148,8 @@ pub(crate) struct Builder {
     uniforms: wgpu::Buffer,
     uniform_stride: u64,
     body_uniform: wgpu::Buffer,
+    moments: wgpu::Buffer,
+    stored: wgpu::Buffer,
     changes: wgpu::Buffer,
     read_back: wgpu::Buffer,
     bytes: u64,
@@ -170,12 +174,44 @@ fn rays_per_row(quality: &Quality) -> u64 {
     u64::from(day + deep)
 }
 
+/// The groups that hold tables: medium, with depth, depth, resolve.
+fn table_groups(
+    device: &wgpu::Device,
+    [medium, with_depth, depth, resolve]: &[wgpu::BindGroupLayout; 4],
+    [body, moments, stored, changes]: [&wgpu::Buffer; 4],
+    tables: &Tables,
+) -> [wgpu::BindGroup; 4] {
+    let density_view = layers(&tables.density);
+    let depth_view = layers(&tables.depth);
+    let moments_view = layers(&tables.moments);
+    let ground_view = tables.ground.create_view(&Default::default());
+    let bound = [(1, Bound::Buffer(&tables.uniforms)), (2, Bound::View(&density_view)), (3, Bound::View(&depth_view))];
+    [
+        bind(device, "medium", medium, &bound[..2]),
+        bind(device, "medium and depth", with_depth, &bound),
+        bind(device, "depth", depth, &[(0, Bound::Buffer(body)), (1, Bound::View(&depth_view))]),
+        bind(
+            device,
+            "resolve",
+            resolve,
+            &[
+                (0, Bound::Buffer(moments)),
+                (1, Bound::Buffer(stored)),
+                (2, Bound::Buffer(changes)),
+                (3, Bound::View(&moments_view)),
+                (4, Bound::View(&ground_view)),
+            ],
+        ),
+    ]
+}
+
 impl Builder {
     pub(crate) fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
         sizes: &AirSizes,
         tables: &Tables,
+        body: usize,
     ) -> Result<Self, GpuError> {
         let quality = sizes.moments.sane();
         let draft = Quality {
@@ -249,20 +285,19 @@ impl Builder {
             only,
             &[(0, write), (1, write), (2, write), (3, Slot::WriteLayers(format)), (4, Slot::Write(format))],
         );
-        let constants = tables.constants();
+        let constants = tables.constants(body..body + 1);
         let pipeline = |root, entry, groups: &[&wgpu::BindGroupLayout]| -> Result<_, GpuError> {
             Ok(compute(device, &pass::module(device, root)?, entry, &constants[..1], groups))
         };
-        let density_view = layers(&tables.density);
-        let depth_view = layers(&tables.depth);
-        let bound =
-            [(1, Bound::Buffer(&tables.uniforms)), (2, Bound::View(&density_view)), (3, Bound::View(&depth_view))];
-        let moments_view = layers(&tables.moments);
-        let ground_view = tables.ground.create_view(&Default::default());
         let rays_groups = [&nodes[0], &nodes[1]].map(|nodes| {
             let bound = [(0, Bound::Buffer(nodes)), (1, Bound::Buffer(&rays)), (2, Bound::Buffer(&cumulative))];
             bind(device, "rays", &rays_layout, &bound)
         });
+        let table_layouts =
+            [medium_layout.clone(), with_depth_layout.clone(), depth_layout.clone(), resolve_layout.clone()];
+        let buffers = [&body_uniform, &moments, &stored, &changes];
+        let [medium_group, with_depth_group, depth_group, resolve_group] =
+            table_groups(device, &table_layouts, buffers, tables);
         Ok(Self {
             depth_size: sizes.depth,
             depth_pipeline: pipeline("phenomena/air/depth.wgsl", "fill_depth", &[&medium_layout, &depth_layout])?,
@@ -286,14 +321,11 @@ impl Builder {
                 "resolve",
                 &[&medium_layout, &uniform_layout, &resolve_layout],
             )?,
-            medium_group: bind(device, "medium", &medium_layout, &bound[..2]),
-            with_depth_group: bind(device, "medium and depth", &with_depth_layout, &bound),
-            depth_group: bind(
-                device,
-                "depth",
-                &depth_layout,
-                &[(0, Bound::Buffer(&body_uniform)), (1, Bound::View(&depth_view))],
-            ),
+            medium_group,
+            with_depth_group,
+            depth_group,
+            resolve_group,
+            table_layouts,
             uniform_group: bind(
                 device,
                 "moment pass",
@@ -318,22 +350,12 @@ impl Builder {
                     (3, Bound::Buffer(&changes)),
                 ],
             ),
-            resolve_group: bind(
-                device,
-                "resolve",
-                &resolve_layout,
-                &[
-                    (0, Bound::Buffer(&moments)),
-                    (1, Bound::Buffer(&stored)),
-                    (2, Bound::Buffer(&changes)),
-                    (3, Bound::View(&moments_view)),
-                    (4, Bound::View(&ground_view)),
-                ],
-            ),
             bytes: [&rays, &cumulative, &moments, &stored, &changes, &uniforms].iter().map(|b| b.size()).sum(),
             uniforms,
             uniform_stride,
             body_uniform,
+            moments,
+            stored,
             changes,
             read_back,
             read: Arc::default(),
@@ -346,6 +368,13 @@ impl Builder {
             quality,
             draft,
         })
+    }
+
+    /// Fills other tables from now on, which hold what the old ones did.
+    pub(crate) fn rebind(&mut self, device: &wgpu::Device, tables: &Tables) {
+        let buffers = [&self.body_uniform, &self.moments, &self.stored, &self.changes];
+        [self.medium_group, self.with_depth_group, self.depth_group, self.resolve_group] =
+            table_groups(device, &self.table_layouts, buffers, tables);
     }
 
     /// Memory of the buffers in bytes.
