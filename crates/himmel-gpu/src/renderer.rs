@@ -188,7 +188,9 @@ pub struct SkyRenderer {
     /// Made when a night is first drawn in tiles.
     night_grid: Option<NightGrid>,
     with_grid: bool,
-    no_grid: wgpu::TextureView,
+    /// What pixels read a grid by, and what is bound where there is none.
+    grid_layout: wgpu::BindGroupLayout,
+    no_grid: wgpu::BindGroup,
     default_quality: AirQuality,
     pace: Pace,
     frame_buffer: wgpu::Buffer,
@@ -198,8 +200,6 @@ pub struct SkyRenderer {
     sampler: wgpu::Sampler,
     air_view_group: wgpu::BindGroup,
     view_group: wgpu::BindGroup,
-    /// All but the night's grid.
-    gridless_group: wgpu::BindGroup,
     view_buffer: wgpu::Buffer,
     view_stride: u64,
     capacity: usize,
@@ -296,14 +296,15 @@ impl SkyRenderer {
         let air_slots = [(0, view_slot()), (1, Slot::Layers), (2, Slot::Filtered), (3, Slot::Sampler)];
         let stages = wgpu::ShaderStages::VERTEX_FRAGMENT | wgpu::ShaderStages::COMPUTE;
         let air_view_layout = layout(device, "air view", stages, &air_slots);
-        let view_slots: Vec<_> =
-            air_slots.into_iter().chain(NightTextures::SLOTS).chain(MoonTextures::SLOTS).chain([grid::SLOT]).collect();
+        let view_slots: Vec<_> = air_slots.into_iter().chain(NightTextures::SLOTS).chain(MoonTextures::SLOTS).collect();
         let view_layout = layout(device, "sky view", stages, &view_slots);
         let night = NightTextures::new(device);
         let moon = MoonTextures::new(device, queue);
+        let grid_layout = grid::read_layout(device);
+        let no_grid = grid::no_grid(device, &grid_layout);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
-            bind_group_layouts: &[Some(&air.layout), Some(&view_layout)],
+            bind_group_layouts: &[Some(&air.layout), Some(&view_layout), Some(&grid_layout)],
             immediate_size: 0,
         });
         let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
@@ -327,17 +328,8 @@ impl SkyRenderer {
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let no_grid = grid::no_grid(device);
-        let [air_view_group, view_group, gridless_group] = view_groups(
-            device,
-            [&air_view_layout, &view_layout],
-            &view_buffer,
-            &air,
-            &sampler,
-            &night,
-            &moon,
-            [&no_grid, &no_grid],
-        );
+        let [air_view_group, view_group] =
+            view_groups(device, [&air_view_layout, &view_layout], &view_buffer, &air, &sampler, &night, &moon);
         let software = device.adapter_info().device_type == wgpu::DeviceType::Cpu;
         let mut renderer = Self {
             device: device.clone(),
@@ -350,6 +342,7 @@ impl SkyRenderer {
             night,
             night_grid: None,
             with_grid: true,
+            grid_layout,
             no_grid,
             default_quality,
             // A GPU does an order of the default table in less than a frame; a rasteriser on the CPU a tenth of one.
@@ -360,7 +353,6 @@ impl SkyRenderer {
             sampler,
             air_view_group,
             view_group,
-            gridless_group,
             view_buffer,
             view_stride,
             capacity: FIRST_CAPACITY,
@@ -450,8 +442,7 @@ impl SkyRenderer {
 
     fn bind_views(&mut self) {
         self.air.stations.bind_views(&self.device, &self.view_buffer);
-        let grid = self.night_grid.as_ref().and_then(NightGrid::view).unwrap_or(&self.no_grid);
-        [self.air_view_group, self.view_group, self.gridless_group] = view_groups(
+        [self.air_view_group, self.view_group] = view_groups(
             &self.device,
             [&self.air_view_layout, &self.view_layout],
             &self.view_buffer,
@@ -459,7 +450,6 @@ impl SkyRenderer {
             &self.sampler,
             &self.night,
             &self.moon,
-            [grid, &self.no_grid],
         );
     }
 
@@ -640,7 +630,7 @@ impl SkyRenderer {
                 Some(grid) => grid,
                 None => NightGrid::new(&self.device, [&self.air.layout, &self.view_layout], &self.air.constants())?,
             };
-            stale |= self.night_grid.insert(grid).reserve(&self.device, grids);
+            self.night_grid.insert(grid).reserve(&self.device, &self.grid_layout, grids);
         }
         stale |= frame.moon.as_ref().is_some_and(|moon| self.moon.hold(&self.device, &self.queue, moon));
         if stale {
@@ -690,7 +680,7 @@ impl SkyRenderer {
             });
             for slot in (0..gridded.len()).filter(|&slot| gridded[slot]) {
                 let offset = (slot as u64 * self.view_stride) as u32;
-                grid.record(&mut pass, &self.air.group, &self.gridless_group, offset);
+                grid.record(&mut pass, &self.air.group, &self.view_group, offset);
             }
         }
         self.lights = lights;
@@ -995,6 +985,10 @@ impl SkyRenderer {
         pass.set_pipeline(&self.pipelines.get(variant, kind));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
+        if !variant.bodies() {
+            let grid = self.night_grid.as_ref().and_then(NightGrid::group).unwrap_or(&self.no_grid);
+            pass.set_bind_group(2, grid, &[]);
+        }
     }
 
     fn draw_bodies(&self, pass: &mut wgpu::RenderPass<'_>, variant: Variant, kind: Kind, slot: usize) {
@@ -1173,8 +1167,7 @@ fn uniform_buffer(device: &wgpu::Device, label: &str, size: u64) -> wgpu::Buffer
     })
 }
 
-/// With what the air needs of a view, and with all, once with each of two grids of the night's glow.
-#[expect(clippy::too_many_arguments, reason = "everything that is bound")]
+/// With what the air needs of a view, and with all.
 fn view_groups(
     device: &wgpu::Device,
     [air_layout, layout]: [&wgpu::BindGroupLayout; 2],
@@ -1183,18 +1176,13 @@ fn view_groups(
     sampler: &wgpu::Sampler,
     night: &NightTextures,
     moon: &MoonTextures,
-    grids: [&wgpu::TextureView; 2],
-) -> [wgpu::BindGroup; 3] {
+) -> [wgpu::BindGroup; 2] {
     let [cells, sky_view] = air.stations.views();
     let view = Bound::Part(buffer, size_of::<ViewUniform>() as u64);
     let bound = [(0, view), (1, Bound::View(&cells)), (2, Bound::View(&sky_view)), (3, Bound::Sampler(sampler))];
     let air_group = bind(device, "air view", air_layout, &bound);
     let bound: Vec<_> = bound.into_iter().chain(night.bound()).chain(moon.bound()).collect();
-    let [with, without] = grids.map(|grid| {
-        let bound: Vec<_> = bound.iter().copied().chain([(grid::SLOT.0, Bound::View(grid))]).collect();
-        bind(device, "sky view", layout, &bound)
-    });
-    [air_group, with, without]
+    [air_group, bind(device, "sky view", layout, &bound)]
 }
 
 /// The forms of the sky's pipeline.

@@ -43,6 +43,11 @@ var<private> far_through: vec4f;
 var<private> near_light: vec4f;
 var<private> near_through: vec4f;
 
+// What glows along the rays of a view, without the Moon before it: linear Rec. 709 in units of the view. a: the share that comes
+// from behind the Moon.
+@group(2) @binding(6) var night_grid_table: texture_2d_array<f32>;
+const NIGHT_GRID: vec2f = vec2f(384.0, 216.0);
+
 // Cells along the sides of a picture; the same in tiles.rs.
 const CELLS: vec2u = vec2u(64u, 72u);
 
@@ -74,10 +79,17 @@ fn sky_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) instan
         let far = vec2<bool>(index == 1u || index == 4u || index == 5u, index == 2u || index == 3u || index == 5u);
         ndc = vec2f(select(low, high, far)) / vec2f(CELLS) * 2.0 - 1.0;
     }
+    return sky_vertex_at(ndc);
+}
+
+// The vertex at a place of the target.
+fn sky_vertex_at(ndc: vec2f) -> SkyVertex {
     let exposure = select(exposure_now(), frame.exposure, metering);
     let dimming = moon_dimming();
     return SkyVertex(
-        vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc, exposure, table_scales(), night_grid_uv(ndc),
+        vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc, exposure, table_scales(),
+        // Its outermost texels lie on the edges.
+        ((0.5 + 0.5 * ndc) * (NIGHT_GRID - 1.0) + 0.5) / NIGHT_GRID,
         dimming[0], dimming[1], dimming[2], dimming[3]);
 }
 
@@ -281,11 +293,6 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     var dy = dpdy(look);
     dx *= min(1.0, 0.2 / max(length(dx), 1e-9));
     dy *= min(1.0, 0.2 / max(length(dy), 1e-9));
-    return pixel_colour(in, look, dx, dy);
-}
-
-// A pixel's colour for the target.
-fn pixel_colour(in: SkyVertex, look: vec3f, dx: vec3f, dy: vec3f) -> vec4f {
     let share = inside(in.ndc, abs(dpdy(in.ndc.y)));
     if share <= select(0.0, 0.5, metering) {
         // Nothing: the corners of a fisheye.
@@ -296,6 +303,18 @@ fn pixel_colour(in: SkyVertex, look: vec3f, dx: vec3f, dy: vec3f) -> vec4f {
     if night && night_grid {
         luminance += night_from_grid(in.night_uv, moon_cover);
     }
+    return pixel_colour(in, luminance, share);
+}
+
+// The glow at a place of the grid, cd/m². `cover`: how much of it the Moon covers.
+fn night_from_grid(uv: vec2f, cover: f32) -> vec3f {
+    let glow = textureSampleLevel(night_grid_table, linear_sampler, uv, view.night_layer, 0.0);
+    return view.night_unit * (1.0 - cover * glow.a) * glow.rgb;
+}
+
+// A pixel's colour for the target. `share`: how much of the pixel lies within the picture.
+fn pixel_colour(in: SkyVertex, seen: vec3f, share: f32) -> vec4f {
+    var luminance = seen;
     if metering {
         return vec4f(luminance, 1.0);
     }

@@ -71,9 +71,7 @@ fn bodies_vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) ins
     let rectangle = far.bodies[instance].rectangle;
     // Two triangles: (0,0) (1,0) (0,1), (0,1) (1,0) (1,1).
     let high = vec2<bool>(index == 1u || index == 4u || index == 5u, index == 2u || index == 3u || index == 5u);
-    let ndc = select(rectangle.xy, rectangle.zw, high);
-    let exposure = select(exposure_now(), frame.exposure, metering);
-    return SkyVertex(vec4f(ndc, far_depth, 1.0), view.tile.xy + view.tile.zw * ndc, exposure, table_scales());
+    return sky_vertex_at(select(rectangle.xy, rectangle.zw, high));
 }
 
 @fragment
@@ -86,7 +84,11 @@ fn bodies_fragment(in: SkyVertex) -> @location(0) vec4f {
     if !follow_bodies(look, dx, dy) {
         discard;
     }
-    return pixel_colour(in, look, dx, dy);
+    let share = inside(in.ndc, abs(dpdy(in.ndc.y)));
+    if share <= select(0.0, 0.5, metering) {
+        return vec4f(0.0);
+    }
+    return pixel_colour(in, sky_luminance(in.from_table, look, dx, dy), share);
 }
 
 // Fills what sky.wgsl asks of a pixel's other bodies; false where there is none.
@@ -96,7 +98,8 @@ fn follow_bodies(look: vec3f, dx: vec3f, dy: vec3f) -> bool {
     near_light = vec4f(0.0);
     near_through = vec4f(1.0);
     var any = false;
-    for (var i = 0u; i < far.count; i++) {
+    // A bound of uniforms alone would cost lavapipe a compilation a frame: no unit vector is as long as 2.
+    for (var i = 0u; i < select(far.count, 0u, look.z > 2.0); i++) {
         let seen = pixel_of_body(i, look, dx, dy);
         any = any || seen.touched;
         if far.bodies[i].is_near != 0u {

@@ -18,8 +18,8 @@ pub(crate) const SPACING_OF_TILE: f64 = 0.13;
 pub(crate) struct NightGrid {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::ComputePipeline,
-    /// Its texture, and the group that fills it.
-    held: Option<(wgpu::TextureView, wgpu::BindGroup)>,
+    /// The group that fills it, and the one that pixels read it by.
+    held: Option<[wgpu::BindGroup; 2]>,
     layers: u32,
 }
 
@@ -38,24 +38,23 @@ impl NightGrid {
         Ok(Self { layout, pipeline, held: None, layers: 0 })
     }
 
-    /// Makes room for a number of views; true if bind groups with it are stale.
-    pub(crate) fn reserve(&mut self, device: &wgpu::Device, views: u32) -> bool {
+    /// Makes room for a number of views. `reading`: the layout of [`read_layout`].
+    pub(crate) fn reserve(&mut self, device: &wgpu::Device, reading: &wgpu::BindGroupLayout, views: u32) {
         if views <= self.layers {
-            return false;
+            return;
         }
         self.layers = views.next_power_of_two();
         let view = texture(device, SIZE, self.layers);
         let group = bind(device, "night grid", &self.layout, &[(0, Bound::View(&view))]);
-        self.held = Some((view, group));
-        true
+        self.held = Some([group, read_group(device, reading, &view)]);
     }
 
     /// What pixels read.
-    pub(crate) fn view(&self) -> Option<&wgpu::TextureView> {
-        self.held.as_ref().map(|(view, _)| view)
+    pub(crate) fn group(&self) -> Option<&wgpu::BindGroup> {
+        self.held.as_ref().map(|[_, reading]| reading)
     }
 
-    /// Fills a view's layer. `view_group`: one without the grid.
+    /// Fills a view's layer.
     pub(crate) fn record(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
@@ -63,7 +62,7 @@ impl NightGrid {
         view_group: &wgpu::BindGroup,
         offset: u32,
     ) {
-        let Some((_, group)) = &self.held else { return };
+        let Some([group, _]) = &self.held else { return };
         pass.set_pipeline(&self.pipeline);
         pass.set_bind_group(0, air_group, &[]);
         pass.set_bind_group(1, view_group, &[offset]);
@@ -77,12 +76,20 @@ impl NightGrid {
     }
 }
 
-/// Its place in the layout of views.
-pub(crate) const SLOT: (u32, Slot) = (10, Slot::Filtered);
+const READ: u32 = 6;
 
-/// Bound there while a grid is filled, and where there is none.
-pub(crate) fn no_grid(device: &wgpu::Device) -> wgpu::TextureView {
-    texture(device, [1, 1], 1)
+/// Of the group that pixels read a grid by.
+pub(crate) fn read_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
+    layout(device, "night grid", wgpu::ShaderStages::FRAGMENT, &[(READ, Slot::Filtered)])
+}
+
+fn read_group(device: &wgpu::Device, reading: &wgpu::BindGroupLayout, view: &wgpu::TextureView) -> wgpu::BindGroup {
+    bind(device, "night grid", reading, &[(READ, Bound::View(view))])
+}
+
+/// That group where there is no grid.
+pub(crate) fn no_grid(device: &wgpu::Device, reading: &wgpu::BindGroupLayout) -> wgpu::BindGroup {
+    read_group(device, reading, &texture(device, [1, 1], 1))
 }
 
 /// The angle between two of its rows in a view, rad.

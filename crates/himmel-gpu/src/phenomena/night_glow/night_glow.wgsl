@@ -2,7 +2,6 @@
 
 //#include "frame/frame.wgsl"
 //#include "phenomena/air/march.wgsl"
-//#include "phenomena/air/sky_view_table.wgsl"
 
 struct NightUniform {
     // Radiances are per unit irradiance of the Sun at 1 au, sr⁻¹. Airglow at the zenith.
@@ -34,9 +33,6 @@ struct NightUniform {
 @group(1) @binding(5) var star_map: texture_2d_array<u32>;
 // A quarter of the sphere, see `zodiacal.rs`.
 @group(1) @binding(6) var zodiacal_table: texture_2d<f32>;
-// What glows along the rays of a view, without the Moon before it: linear Rec. 709 in units of the view. a: the share that comes
-// from behind the Moon.
-@group(1) @binding(10) var night_grid_table: texture_2d_array<f32>;
 const ZODIACAL_SIZE: vec2f = vec2f(512.0, 256.0);
 
 // Integral of 1 − (s² + α)² over s, three-point Gauss–Legendre.
@@ -151,16 +147,4 @@ fn night_radiance(ray: vec3f, mu: f32, sin_theta: f32, below: bool, within: bool
     let sky = behind * through + night_glow.diffuse * max(total - through, vec4f(0.0)) + cities;
     let ground = mix(0.5 * (night_glow.diffuse + night_glow.ground), night_glow.ground, through);
     return select(sky, ground, below) + night_glow.airglow * path.x;
-}
-
-// Where a place of the target (ndc) lies in the grid; its outermost texels lie on the edges.
-fn night_grid_uv(ndc: vec2f) -> vec2f {
-    let size = vec2f(textureDimensions(night_grid_table));
-    return ((0.5 + 0.5 * ndc) * (size - 1.0) + 0.5) / size;
-}
-
-// The glow at a place of the grid, cd/m². `cover`: how much of it the Moon covers.
-fn night_from_grid(uv: vec2f, cover: f32) -> vec3f {
-    let glow = textureSampleLevel(night_grid_table, linear_sampler, uv, view.night_layer, 0.0);
-    return view.night_unit * (1.0 - cover * glow.a) * glow.rgb;
 }
