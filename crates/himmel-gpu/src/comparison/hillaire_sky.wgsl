@@ -57,7 +57,9 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     let horizon = hillaire.horizon;
     var four = textureSampleLevel(sky_view_table, linear_sampler, sky_view_uv(ray, horizon), 0.0) / TABLE_SCALE;
     let reach = max(hillaire.sun_radius, 0.75 * pixel) + pixel;
-    if hillaire.sun_disc_visible != 0u && distance(ray, hillaire.sun_disc) < reach && ray.z >= horizon {
+    // As in our own pipelines nothing hangs on uniforms alone: lavapipe would compile them anew each frame.
+    let near = select(4.0, distance(ray, hillaire.sun_disc), hillaire.sun_disc_visible != 0u);
+    if near < reach && ray.z >= horizon {
         four += sun_transmittance(hillaire.altitude_m, ray.z) * sun_disc_radiance(ray, pixel);
     }
     four *= hillaire.sun_irradiance;
@@ -71,9 +73,8 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     }
     // 1e30 keeps the tone mappers finite; negative values are colours outside Rec. 709.
     var encoded = tonemap(hillaire.tonemap, clamp(luminance, vec3f(0.0), vec3f(1e30)), hillaire.exposure);
-    if hillaire.dither_levels > 0.0 {
-        encoded += triangular_noise(vec2u(in.position.xy + hillaire.pixel)) / hillaire.dither_levels;
-    }
+    let noise = triangular_noise(vec2u(in.position.xy + hillaire.pixel)) / max(hillaire.dither_levels, 1.0);
+    encoded += select(vec3f(0.0), noise, hillaire.dither_levels > 0.0);
     encoded = clamp(encoded, vec3f(0.0), vec3f(1.0));
     return vec4f(select(encoded, srgb_decode(encoded), hillaire.encoding == 2u), 1.0);
 }
