@@ -34,16 +34,16 @@ struct Sight {
 fn sight_of(ndc: vec2f, depth: f32) -> Sight {
     let homogeneous = apply.view_from_clip * vec4f(ndc, depth, 1.0);
     let place = homogeneous.xyz / homogeneous.w;
-    let perspective = apply.orthographic == 0u;
-    let from_eye_m = length(place);
-    // Orthographic rays are parallel; they begin in the camera's plane.
+    if apply.orthographic == 0u {
+        let distance_m = length(place);
+        return Sight(vec3f(0.0), place / max(distance_m, 1e-6), distance_m);
+    }
+    // Rays are parallel; they begin in the camera's plane.
     let other = apply.view_from_clip * vec4f(ndc, select(depth + 0.25, depth - 0.25, depth > 0.5), 1.0);
     var direction = normalize(other.xyz / other.w - place);
     direction = select(direction, -direction, direction.z > 0.0);
     let distance_m = max(place.z / direction.z, 0.0);
-    return Sight(
-        select(place - direction * distance_m, vec3f(0.0), perspective),
-        select(direction, place / max(from_eye_m, 1e-6), perspective), select(distance_m, from_eye_m, perspective));
+    return Sight(place - direction * distance_m, direction, distance_m);
 }
 
 // Direction of a froxel's column, whatever the depth.

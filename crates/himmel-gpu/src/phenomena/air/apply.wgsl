@@ -64,16 +64,19 @@ fn apply_fragment(in: ApplyVertex) -> @location(0) vec4f {
         through = volume_lookup(froxel_through, uvw);
     } else {
         let jitter = select(0.5, hash_unit(vec3u(vec2u(pixel), 7u)).x, shafts);
-        // Nothing is marched where nothing was drawn. A bound of uniforms alone would cost lavapipe a compilation a frame.
-        for (var i = 0u; i < select(frame.light_count, 0u, depth == apply.far_depth); i++) {
+        for (var i = 0u; i < frame.light_count; i++) {
             let air = march_sight(sight, i, APPLY_CELLS, jitter);
             light += rec709_of(view.lights[i].irradiance * air.light);
             through = rec709_through(air.through);
         }
     }
-    let metered = textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
-    var exposure = select(frame.exposure, metered, frame.exposure == 0.0);
-    exposure = select(apply.exposure, exposure, apply.exposure == 0.0);
+    var exposure = apply.exposure;
+    if exposure == 0.0 {
+        exposure = frame.exposure;
+        if exposure == 0.0 {
+            exposure = textureLoad(exposure_texture, vec2i(0), 0).x * frame.compensation;
+        }
+    }
     // Where nothing was drawn the sky is there already, or black.
     if depth == apply.far_depth {
         return colour;

@@ -12,12 +12,13 @@ const SLICE_CELLS: u32 = 2u;
 @compute @workgroup_size(8, 8)
 fn fill_froxels(@builtin(global_invocation_id) id: vec3u) {
     let size = textureDimensions(froxel_light_out);
-    // A bound of uniforms alone would cost lavapipe a compilation a frame.
-    let lights = select(frame.light_count, 0u, any(id.xy >= size.xy));
+    if any(id.xy >= size.xy) {
+        return;
+    }
     let ndc = vec2f(id.xy) / vec2f(size.xy - 1u) * 2.0 - 1.0;
     let sight = column_sight(ndc);
     var light_sum: array<vec3f, 64>;
-    for (var light = 0u; light < lights; light++) {
+    for (var light = 0u; light < frame.light_count; light++) {
         let ray = sight_ray(sight, light);
         let end = select(air_ends(ray), 0.0, ray.misses);
         let dark = dark_of(ray);
