@@ -15,6 +15,7 @@ mod pass;
 pub mod phenomena;
 mod renderer;
 pub mod shader;
+mod sky_pipelines;
 mod still;
 mod target;
 mod tiles;

@@ -1,8 +1,7 @@
 //! The renderer: made once for a target, prepared each frame, drawn for each view.
 
-use std::collections::HashMap;
 use std::ops::Range;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use glam::DVec3;
 use himmel_air::eclipse::Shadow;
@@ -26,8 +25,9 @@ use crate::phenomena::overlay::{Lines, Overlay};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
 use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
-use crate::target::{Output, Target};
-use crate::tiles::{Needs, TileLight, Tiles};
+use crate::sky_pipelines::{Kind, MoonKind, Pipelines, Variant};
+use crate::target::Target;
+use crate::tiles::{TileLight, Tiles};
 use crate::timing::Stamps;
 use crate::view::{Projection, View};
 
@@ -261,6 +261,28 @@ impl Uploads {
     }
 }
 
+/// The prepared frame's Moon.
+#[derive(Clone, Copy, Debug)]
+struct Moon {
+    radius_rad: f64,
+    relief: bool,
+    eclipsed: bool,
+}
+
+impl Moon {
+    /// For pixels of a size.
+    fn kind(&self, pixel_rad: f64) -> MoonKind {
+        let radius_px = self.radius_rad / pixel_rad;
+        // Small discs need more points for their terminator.
+        let side = match radius_px {
+            ..3.0 => 8,
+            ..8.0 => 4,
+            _ => 1,
+        };
+        MoonKind { side, relief: self.relief, eclipsed: self.eclipsed }
+    }
+}
+
 /// Rows of a picture, for the level of the star map, where the view does not say.
 const PICTURE_ROWS: u32 = 1080;
 
@@ -309,15 +331,7 @@ impl SkyRenderer {
         });
         let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
         let lines = Lines::new(device, target, [&air.layout, &view_layout]);
-        let pipelines = Pipelines {
-            device: device.clone(),
-            target: *target,
-            layout: pipeline_layout,
-            module,
-            constants: air.constants(),
-            far: None,
-            made: Mutex::default(),
-        };
+        let pipelines = Pipelines::new(device, target, pipeline_layout, module, air.constants());
         pipelines.make(air.sizes.sky_view.is_none());
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let view_stride = (size_of::<ViewUniform>() as u64).next_multiple_of(alignment);
@@ -395,9 +409,7 @@ impl SkyRenderer {
         same_wavelengths(self.air.far(), atmosphere.wavelengths_nm())?;
         if self.air.set(&self.device, &self.queue, sizes, atmosphere)? {
             self.bind_views();
-            if self.pipelines.constants != self.air.constants() {
-                self.pipelines.constants = self.air.constants();
-                self.pipelines.made = Mutex::default();
+            if self.pipelines.set_constants(self.air.constants()) {
                 self.night_grid = None;
             }
             self.pipelines.make(self.air.sizes.sky_view.is_none());
@@ -795,7 +807,7 @@ impl SkyRenderer {
         }
         let Self { device, queue, pipelines, bodies, uploads, air, view_layout, .. } = self;
         let bodies = bodies.get_or_insert_with(|| Bodies::new(device, queue));
-        if pipelines.far.is_none() {
+        if !pipelines.has_far() {
             pipelines.make_far([&air.layout, view_layout, &bodies.layout], air.all_constants())?;
         }
         bodies.prepare(device, queue, &frame.far_bodies, uniforms, &mut |buffer, offset, bytes| {
@@ -872,7 +884,7 @@ impl SkyRenderer {
             return;
         }
         let slot = view_index + 1;
-        let kind = self.kind(view_index);
+        let kind = self.kind(view_index, self.views.get(view_index).map_or(0, |view| view.rows_px));
         let marching = self.marching.get(view_index).copied().unwrap_or(true);
         if marching {
             self.set_slot(pass, Variant::Marching, kind, slot);
@@ -951,8 +963,15 @@ impl SkyRenderer {
         &self.meter.exposure
     }
 
-    fn kind(&self, view_index: usize) -> Kind {
-        let projection = self.views.get(view_index).map(|view| view.projection);
+    /// What pipelines of a view differ in; `rows`: of its whole picture, 0: not known.
+    fn kind(&self, view_index: usize, rows: u32) -> Kind {
+        let view = self.views.get(view_index);
+        let projection = view.map(|view| view.projection);
+        let pixel_rad = view.map_or(1e-3, |view| match rows {
+            // A guess on the safe side.
+            0 => 3.0 * view.degrees_per_pixel(PICTURE_ROWS).to_radians(),
+            rows => view.degrees_per_pixel(rows).to_radians(),
+        });
         Kind {
             linear: matches!(projection, Some(Projection::Matrix(_))),
             lights: self.lights,
@@ -961,23 +980,7 @@ impl SkyRenderer {
             night: self.by_night,
             grid: self.gridded.get(view_index + 1).copied().unwrap_or(false),
             occluded: self.occluded,
-            moon: self.with_moon.map(|moon| {
-                let view = self.views.get(view_index);
-                let pixel_rad = view.map_or(1e-3, |view| match view.rows_px {
-                    // A guess on the safe side.
-                    0 => 3.0 * view.degrees_per_pixel(PICTURE_ROWS).to_radians(),
-                    rows => view.degrees_per_pixel(rows).to_radians(),
-                });
-                let radius_px = moon.radius_rad / pixel_rad;
-                let side = if radius_px < 3.0 {
-                    8
-                } else if radius_px < 8.0 {
-                    4
-                } else {
-                    1
-                };
-                MoonKind { side, relief: moon.relief, eclipsed: moon.eclipsed }
-            }),
+            moon: self.with_moon.map(|moon| moon.kind(pixel_rad)),
         }
     }
 
@@ -1007,10 +1010,11 @@ impl SkyRenderer {
         });
         let marching = self.marching.first().copied().unwrap_or(true);
         let variant = if marching { Variant::MeteringMarch } else { Variant::MeteringTable };
-        self.set_slot(&mut pass, variant, self.kind(0), 0);
+        let kind = self.kind(0, meter::SIZE.1);
+        self.set_slot(&mut pass, variant, kind, 0);
         pass.draw(0..3, 0..1);
         let variant = if marching { Variant::MeteringBodies } else { Variant::MeteringBodiesTable };
-        self.draw_bodies(&mut pass, variant, self.kind(0), 0);
+        self.draw_bodies(&mut pass, variant, kind, 0);
         drop(pass);
         self.meter.reduce(encoder, stamps.and_then(|stamps| stamps.next("meter")));
     }
@@ -1183,273 +1187,4 @@ fn view_groups(
     let air_group = bind(device, "air view", air_layout, &bound);
     let bound: Vec<_> = bound.into_iter().chain(night.bound()).chain(moon.bound()).collect();
     [air_group, bind(device, "sky view", layout, &bound)]
-}
-
-/// The forms of the sky's pipeline.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-enum Variant {
-    /// Every pixel marches its ray.
-    Marching,
-    /// From the sky-view table: tiles far from lights and horizon.
-    Plain,
-    /// Tiles at the horizon, far from lights.
-    Horizon,
-    /// Tiles near a light, off the horizon.
-    Aureole,
-    /// Tiles near a light and at the horizon.
-    Both,
-    /// Tiles with the Moon, off the horizon and far from lights.
-    Moon,
-    /// Tiles with the Moon near a light, off the horizon.
-    MoonInAureole,
-    /// Tiles with a disc.
-    Everything,
-    /// The metering picture, marching.
-    MeteringMarch,
-    /// The metering picture from the table.
-    MeteringTable,
-    /// Rectangles with other bodies, marching.
-    Bodies,
-    /// The same over a sky from the table.
-    BodiesTable,
-    /// The same in the metering picture.
-    MeteringBodies,
-    /// The same over a metering picture from the table.
-    MeteringBodiesTable,
-}
-
-impl Variant {
-    /// Those that draw a picture from the table together, in the order of [`Needs::SETS`].
-    const TILED: [Self; 7] =
-        [Self::Plain, Self::Horizon, Self::Aureole, Self::Both, Self::Moon, Self::MoonInAureole, Self::Everything];
-
-    fn tiled(self) -> bool {
-        Self::TILED.contains(&self)
-    }
-
-    fn marching(self) -> bool {
-        matches!(self, Self::Marching | Self::MeteringMarch | Self::Bodies | Self::MeteringBodies)
-    }
-
-    fn metering(self) -> bool {
-        let bodies = matches!(self, Self::MeteringBodies | Self::MeteringBodiesTable);
-        bodies || matches!(self, Self::MeteringMarch | Self::MeteringTable)
-    }
-
-    fn bodies(self) -> bool {
-        matches!(self, Self::Bodies | Self::BodiesTable | Self::MeteringBodies | Self::MeteringBodiesTable)
-    }
-
-    /// What its pixels have.
-    fn has(self) -> Needs {
-        let set = Self::TILED.iter().position(|variant| *variant == self);
-        set.map_or(Needs::ALL, |set| Needs::SETS[set])
-    }
-}
-
-/// The prepared frame's Moon.
-#[derive(Clone, Copy, Debug)]
-struct Moon {
-    radius_rad: f64,
-    relief: bool,
-    eclipsed: bool,
-}
-
-/// What pipelines with the Moon differ in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct MoonKind {
-    /// Points along a pixel's side.
-    side: u32,
-    /// Whether its ground has relief.
-    relief: bool,
-    /// Whether the Earth's shadow is near.
-    eclipsed: bool,
-}
-
-/// The sky's pipelines, made when they are first needed.
-struct Pipelines {
-    device: wgpu::Device,
-    target: Target,
-    layout: wgpu::PipelineLayout,
-    module: wgpu::ShaderModule,
-    /// Of the air in hand.
-    constants: [(&'static str, f64); 2],
-    /// What draws other bodies, once there are some.
-    far: Option<FarPipelines>,
-    made: Mutex<Made>,
-}
-
-/// Layout, module and constants of the pipelines of other bodies.
-struct FarPipelines {
-    layout: wgpu::PipelineLayout,
-    module: wgpu::ShaderModule,
-    constants: [(&'static str, f64); 2],
-}
-
-type Made = HashMap<(Variant, Kind), wgpu::RenderPipeline>;
-
-/// What else pipelines differ in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-struct Kind {
-    /// Whether the projection is a matrix.
-    linear: bool,
-    /// Lights of the frame.
-    lights: u32,
-    /// How finished pictures are tone mapped.
-    tonemap: Tonemap,
-    /// Whether something stands before the Sun for the air …
-    eclipsed: bool,
-    /// … and for its disc.
-    occluded: bool,
-    /// Whether the Moon is in the picture: asked by pipelines that may draw it only.
-    moon: Option<MoonKind>,
-    /// Whether the night glows.
-    night: bool,
-    /// Whether pipelines without horizon read its glow from the grid.
-    grid: bool,
-}
-
-impl Pipelines {
-    /// Makes what the next frame of a matrix projection needs.
-    fn make(&self, marching: bool) {
-        let variants: &[Variant] = if marching { &[Variant::Marching] } else { &Variant::TILED };
-        for variant in variants.iter().filter(|variant| !matches!(variant, Variant::Moon | Variant::MoonInAureole)) {
-            self.get(
-                *variant,
-                Kind {
-                    linear: true,
-                    lights: 1,
-                    tonemap: OutputParams::default().tonemap,
-                    eclipsed: false,
-                    night: false,
-                    grid: false,
-                    occluded: false,
-                    moon: None,
-                },
-            );
-        }
-    }
-
-    fn make_far(
-        &mut self,
-        groups: [&wgpu::BindGroupLayout; 3],
-        constants: [(&'static str, f64); 2],
-    ) -> Result<(), GpuError> {
-        let module = module(&self.device, "phenomena/bodies/bodies.wgsl")?;
-        let layout = self.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-            label: Some("bodies"),
-            bind_group_layouts: &groups.map(Some),
-            immediate_size: 0,
-        });
-        self.far = Some(FarPipelines { layout, module, constants });
-        Ok(())
-    }
-
-    /// Values of overrides for all airs.
-    fn far_constants(&mut self, constants: [(&'static str, f64); 2]) {
-        let Some(far) = &mut self.far else { return };
-        if far.constants != constants {
-            far.constants = constants;
-            let made = self.made.get_mut().unwrap_or_else(PoisonError::into_inner);
-            made.retain(|(variant, _), _| !variant.bodies());
-        }
-    }
-
-    fn get(&self, variant: Variant, kind: Kind) -> wgpu::RenderPipeline {
-        let has = variant.has();
-        let kind =
-            Kind { moon: kind.moon.filter(|_| has.moon), grid: kind.grid && variant.tiled() && !has.horizon, ..kind };
-        let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
-        let pipeline = made.entry((variant, kind)).or_insert_with(|| {
-            let metering = Target::new(meter::FORMAT, Output::Radiance);
-            let target = if variant.metering() { &metering } else { &self.target };
-            let far = self.far.as_ref().filter(|_| variant.bodies());
-            let own = (&self.module, &self.layout, self.constants);
-            let (module, layout, constants) = far.map_or(own, |far| (&far.module, &far.layout, far.constants));
-            sky_pipeline(&self.device, module, layout, target, variant, kind, constants)
-        });
-        pipeline.clone()
-    }
-}
-
-fn sky_pipeline(
-    device: &wgpu::Device,
-    module: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    target: &Target,
-    variant: Variant,
-    kind: Kind,
-    [groups, aerosols]: [(&'static str, f64); 2],
-) -> wgpu::RenderPipeline {
-    let on = |yes: bool| f64::from(u8::from(yes));
-    let Needs { horizon, aureole, disc, moon: _ } = variant.has();
-    let marching = ("marching", on(variant.marching()));
-    let metering = ("metering", on(variant.metering()));
-    let vertex_constants = vec![
-        ("tiled", on(variant.tiled())),
-        ("far_depth", target.far_depth()),
-        ("light_count", f64::from(kind.lights)),
-        ("with_moon", on(kind.moon.is_some())),
-        ("with_horizon", on(horizon)),
-        marching,
-        metering,
-        groups,
-        aerosols,
-    ];
-    let constants = vec![
-        ("with_horizon", on(horizon)),
-        ("with_aureole", on(aureole)),
-        ("with_disc", on(disc)),
-        ("linear", on(kind.linear)),
-        ("finished", on(target.output == Output::Display)),
-        ("light_count", f64::from(kind.lights)),
-        ("eclipses", on(kind.eclipsed)),
-        ("night", on(kind.night)),
-        ("night_grid", on(kind.grid)),
-        ("occluded", on(kind.occluded)),
-        ("with_moon", on(kind.moon.is_some())),
-        ("tonemap_operator", f64::from(kind.tonemap as u32)),
-        ("target_is_srgb", on(target.colour.is_srgb())),
-        marching,
-        metering,
-        groups,
-        aerosols,
-    ];
-    let constants = constants.into_iter().chain(kind.moon.into_iter().flat_map(|moon| {
-        [("moon_side", f64::from(moon.side)), ("moon_relief", on(moon.relief)), ("moon_eclipsed", on(moon.eclipsed))]
-    }));
-    let mut constants: Vec<_> = constants.collect();
-    let [vertex_entry, fragment_entry] = match variant.bodies() {
-        false => ["sky_vertex", "sky_fragment"],
-        true => {
-            constants.push(("far_airs", 1.0));
-            ["bodies_vertex", "bodies_fragment"]
-        }
-    };
-    let options = |constants| wgpu::PipelineCompilationOptions { constants, ..Default::default() };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(match (variant.bodies(), variant.metering()) {
-            (true, _) => "bodies",
-            (false, true) => "sky, metering",
-            (false, false) => "sky",
-        }),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some(vertex_entry),
-            compilation_options: options(&vertex_constants),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: target.behind(),
-        multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some(fragment_entry),
-            compilation_options: options(&constants),
-            targets: &[Some(target.colour.into())],
-        }),
-        multiview_mask: None,
-        cache: None,
-    })
 }

@@ -46,6 +46,7 @@ var<private> near_through: vec4f;
 // What glows along the rays of a view, without the Moon before it: linear Rec. 709 in units of the view. a: the share that comes
 // from behind the Moon.
 @group(2) @binding(6) var night_grid_table: texture_2d_array<f32>;
+// Its texels; the same in grid.rs.
 const NIGHT_GRID: vec2f = vec2f(384.0, 216.0);
 
 // Cells along the sides of a picture; the same in tiles.rs.

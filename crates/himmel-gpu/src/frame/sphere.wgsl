@@ -91,3 +91,16 @@ fn shadow_interval(radius_m: f32, altitude_m: f32, mu: f32, mu_s: f32, nu: f32) 
     interval.x = max(interval.x, 0.0);
     return select(vec2f(0.0), interval, interval.y > interval.x);
 }
+
+// Where a unit vector of a body's frame (z to the north, x to longitude 0) lies in an equirectangular map: longitude −π..π,
+// latitude from the north.
+fn map_uv(own: vec3f) -> vec2f {
+    return vec2f(atan2(own.y, own.x) * 0.15915494 + 0.5, acos(clamp(own.z, -1.0, 1.0)) * 0.31830989);
+}
+
+// Level of such a map whose texels are as wide as a pixel's footprint, in radii; half of what it is longer near the limb. `mu`:
+// cosine to the observer.
+fn map_level(width: u32, footprint: f32, mu: f32) -> f32 {
+    let texel = 6.2831853 / f32(width);
+    return max(log2(max(footprint / texel, 1e-3)) - 0.5 * log2(max(mu, 0.05)), 0.0);
+}

@@ -235,7 +235,7 @@ fn albedo_of_body(i: u32, normal: vec3f, footprint: f32, mu: f32) -> vec4f {
     let own = vec3f(
         dot(far.bodies[i].body_x.xyz, normal), dot(far.bodies[i].body_y.xyz, normal),
         dot(far.bodies[i].body_z.xyz, normal));
-    let uv = vec2f(atan2(own.y, own.x) * 0.15915494 + 0.5, acos(clamp(own.z, -1.0, 1.0)) * 0.31830989);
+    let uv = map_uv(own);
     var rgb = vec3f(0.0);
     switch far.bodies[i].map {
         case 0u: {
@@ -250,10 +250,4 @@ fn albedo_of_body(i: u32, normal: vec3f, footprint: f32, mu: f32) -> vec4f {
     }
     let four = rgb.r * far.four_from_red + rgb.g * far.four_from_green + rgb.b * far.four_from_blue;
     return clamp(far.bodies[i].albedo * four, vec4f(0.0), vec4f(1.0));
-}
-
-// Texels that a pixel spans; half of what it is longer near the limb.
-fn map_level(width: u32, footprint: f32, mu: f32) -> f32 {
-    let texel = 6.2831853 / f32(width);
-    return max(log2(max(footprint / texel, 1e-3)) - 0.5 * log2(max(mu, 0.05)), 0.0);
 }

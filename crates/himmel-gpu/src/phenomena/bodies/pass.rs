@@ -375,11 +375,12 @@ impl Bodies {
         self.counts.clear();
     }
 
-    /// Draws the bodies of a view (the metering view is slot 0) after its pipeline and other groups are set.
+    /// How many bodies are drawn of a view; the metering view is slot 0.
     pub(crate) fn count(&self, slot: usize) -> u32 {
         self.counts.get(slot).copied().unwrap_or(0)
     }
 
+    /// Draws them after its pipeline and other groups are set.
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, slot: usize) {
         pass.set_bind_group(2, &self.group, &[(slot as u64 * self.stride) as u32]);
         pass.draw(0..6, 0..self.count(slot));

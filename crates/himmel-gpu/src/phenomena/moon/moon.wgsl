@@ -1,6 +1,7 @@
 // The Moon's disc. Twin of phenomena/moon/model.rs: same names, same order, same units.
 
 //#include "frame/frame.wgsl"
+//#include "frame/sphere.wgsl"
 
 // Relative albedo over selenographic longitude (−π..π) and latitude (from the north); in g and b slopes to east and north
 // as 0..1, where there is a map of normals.
@@ -62,7 +63,7 @@ fn moon_light(ray: vec3f, dx: vec3f, dy: vec3f) -> MoonLight {
     let across = base - centre * dot(base, centre);
     let touched = dot(across, across) < (sine + pixel) * (sine + pixel) && dot(base, base) < 2.0;
     if moon_side == 1u {
-        return moon_sample(base, centre, dx * 0.0, tangent, bend.y, sine, pixel, thin, touched);
+        return moon_sample(base, centre, vec3f(0.0), tangent, bend.y, sine, pixel, thin, touched);
     }
     // A loop that ends at once, not a branch: rasterisers on CPUs skip only loops.
     var sum = MoonLight(vec4f(0.0), 0.0);
@@ -96,11 +97,8 @@ fn moon_sample(
 fn moon_radiance(normal: vec3f, mu: f32, footprint: f32) -> vec4f {
     let own = vec3f(
         dot(view.moon.body_x.xyz, normal), dot(view.moon.body_y.xyz, normal), dot(view.moon.body_z.xyz, normal));
-    let uv = vec2f(atan2(own.y, own.x) * 0.15915494 + 0.5, acos(clamp(own.z, -1.0, 1.0)) * 0.31830989);
-    // Radians of longitude that a pixel spans; half of what it is longer near the limb.
-    let texel = 6.2831853 / f32(textureDimensions(moon_ground).x);
-    let level = log2(max(footprint / texel, 1e-3)) - 0.5 * log2(max(mu, 0.05));
-    let ground = textureSampleLevel(moon_ground, moon_sampler, uv, max(level, 0.0));
+    let level = map_level(textureDimensions(moon_ground).x, footprint, mu);
+    let ground = textureSampleLevel(moon_ground, moon_sampler, map_uv(own), level);
     let albedo = ground.x * view.moon.albedo_scale;
     let smooth_mu_0 = dot(normal, view.moon.to_sun);
     var mu_0 = smooth_mu_0;

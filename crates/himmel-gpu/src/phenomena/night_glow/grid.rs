@@ -4,7 +4,7 @@ use crate::error::GpuError;
 use crate::pass::{self, Bound, Slot, bind, compute, layers, layout};
 use crate::view::View;
 
-/// Texels along the sides: six by three for each cell of a picture's tiles.
+/// Texels along the sides: six by three for each cell of a picture's tiles; the same in `sky.wgsl`.
 const SIZE: [u32; 2] = [384, 216];
 /// Half floats, which every adapter filters.
 const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
