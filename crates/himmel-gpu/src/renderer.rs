@@ -18,7 +18,7 @@ use crate::phenomena::air::build::{Pace, Rebuild};
 use crate::phenomena::air::{Air, Apply, ApplyAir, TablesKey, TablesReadBack, view_slot};
 use crate::phenomena::bodies::{self, Bodies, BodiesUniform, FarBody, MOST_FAR_BODIES};
 use crate::phenomena::cleared;
-use crate::phenomena::moon::{MoonState, MoonTextures, MoonUniform};
+use crate::phenomena::moon::{GroundForm, MoonState, MoonTextures, MoonUniform};
 use crate::phenomena::night_glow::grid::{self, NightGrid};
 use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
 use crate::phenomena::overlay::{Lines, Overlay};
@@ -265,7 +265,8 @@ impl Uploads {
 #[derive(Clone, Copy, Debug)]
 struct Moon {
     radius_rad: f64,
-    relief: bool,
+    /// What its ground has, if that is to be seen.
+    form: GroundForm,
     eclipsed: bool,
 }
 
@@ -279,9 +280,17 @@ impl Moon {
             ..8.0 => 4,
             _ => 1,
         };
-        MoonKind { side, relief: self.relief, eclipsed: self.eclipsed }
+        let relief = match self.form {
+            GroundForm::Heights if radius_px >= RELIEF_FROM_PX => 2,
+            GroundForm::Normals => 1,
+            _ => 0,
+        };
+        MoonKind { side, relief, eclipsed: self.eclipsed }
     }
 }
+
+/// A Moon of a smaller radius shows no heights: its pixels are wider than all but its widest craters.
+const RELIEF_FROM_PX: f64 = 16.0;
 
 /// Rows of a picture, for the level of the star map, where the view does not say.
 const PICTURE_ROWS: u32 = 1080;
@@ -590,6 +599,15 @@ impl SkyRenderer {
             return Err(GpuError::View(format!("a frame has 1 to {MOST_VIEWS} views, got {}", views.len())));
         }
         frame.check()?;
+        let new_moon = frame.moon.as_ref().is_some_and(|moon| {
+            let rows = |view: &View| if view.rows_px == 0 { PICTURE_ROWS } else { view.rows_px };
+            let pixel_rad = |view: &View| view.degrees_per_pixel(rows(view)).to_radians();
+            let near = views.iter().any(|view| moon.radius_rad > RELIEF_FROM_PX * pixel_rad(view));
+            self.moon.hold(&self.device, &self.queue, moon, near)
+        });
+        if new_moon {
+            self.bind_views();
+        }
         // The first slot is the metering view: the first view's whole picture.
         let whole = View { part: [0.0, 0.0, 1.0, 1.0], first_pixel: [0, 0], ..views[0] };
         let mut uniforms = Vec::with_capacity(views.len() + 1);
@@ -644,7 +662,6 @@ impl SkyRenderer {
             };
             self.night_grid.insert(grid).reserve(&self.device, &self.grid_layout, grids);
         }
-        stale |= frame.moon.as_ref().is_some_and(|moon| self.moon.hold(&self.device, &self.queue, moon));
         if stale {
             self.bind_views();
         }
@@ -702,7 +719,7 @@ impl SkyRenderer {
         self.occluded = frame.occluder.is_some();
         self.with_moon = frame.moon.as_ref().map(|moon| Moon {
             radius_rad: moon.radius_rad,
-            relief: moon.maps.normals.is_some() && moon.relief > 0.0,
+            form: if moon.relief > 0.0 { self.moon.form() } else { GroundForm::Albedo },
             eclipsed: moon.eclipse.is_some(),
         });
         self.views.clear();
@@ -1129,7 +1146,9 @@ impl SkyRenderer {
             moon: frame
                 .moon
                 .as_ref()
-                .map_or_else(MoonUniform::default, |moon| MoonUniform::new(moon, &frame.bending, view_from_enu)),
+                .map_or_else(MoonUniform::default, |moon| {
+                    MoonUniform::new(moon, &frame.bending, view_from_enu, self.moon.highest_km())
+                }),
             ..ViewUniform::default()
         };
         Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges, grid })

@@ -77,8 +77,8 @@ impl Variant {
 pub(crate) struct MoonKind {
     /// Points along a pixel's side.
     pub side: u32,
-    /// Whether its ground has relief.
-    pub relief: bool,
+    /// Relief of its ground: 0 none, 1 by normals, 2 by heights.
+    pub relief: u32,
     /// Whether the Earth's shadow is near.
     pub eclipsed: bool,
 }
@@ -259,7 +259,7 @@ fn sky_pipeline(
         aerosols,
     ];
     let constants = constants.into_iter().chain(kind.moon.into_iter().flat_map(|moon| {
-        [("moon_side", f64::from(moon.side)), ("moon_relief", on(moon.relief)), ("moon_eclipsed", on(moon.eclipsed))]
+        [("moon_side", f64::from(moon.side)), ("moon_relief", f64::from(moon.relief)), ("moon_eclipsed", on(moon.eclipsed))]
     }));
     let mut constants: Vec<_> = constants.collect();
     let [vertex_entry, fragment_entry] = match variant.bodies() {

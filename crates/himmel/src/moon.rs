@@ -11,7 +11,9 @@ use himmel_astro::physical::{MoonOrientation, moonlight};
 use himmel_astro::{Body, Instant, Place};
 use himmel_core::constants::{ASTRONOMICAL_UNIT_M, SUN_RADIUS_M};
 use himmel_gpu::SunState;
-use himmel_gpu::phenomena::moon::{EclipseMap, MoonEclipse, MoonMap, MoonMaps, MoonPhotometry, MoonState, ShadowRule};
+use himmel_gpu::phenomena::moon::{
+    Crater, EclipseMap, MoonEclipse, MoonMap, MoonMaps, MoonPhotometry, MoonRelief, MoonState, ShadowRule,
+};
 use tracing::warn;
 
 use crate::error::Result;
@@ -98,7 +100,7 @@ impl MoonCache {
     }
 }
 
-/// The built-in map, decoded once.
+/// The built-in maps, decoded once.
 fn built_in() -> Arc<MoonMaps> {
     static MAPS: OnceLock<Arc<MoonMaps>> = OnceLock::new();
     let decode = || {
@@ -107,12 +109,23 @@ fn built_in() -> Arc<MoonMaps> {
         albedo.map_or_else(
             |reason| {
                 warn!(%reason, "the Moon's built-in map cannot be read; its ground is even");
-                Arc::new(MoonMaps::even())
+                MoonMaps::even()
             },
-            |albedo| Arc::new(MoonMaps::new(albedo, None)),
+            |albedo| MoonMaps::new(albedo, None),
         )
     };
-    Arc::clone(MAPS.get_or_init(decode))
+    Arc::clone(MAPS.get_or_init(|| Arc::new(craters(decode(), include_bytes!("../../../assets/moon/craters.bin")))))
+}
+
+/// Maps with the heights of a catalogue of craters.
+fn craters(maps: MoonMaps, catalogue: &[u8]) -> MoonMaps {
+    match Crater::read(catalogue) {
+        Ok(craters) => maps.with_relief(Arc::new(MoonRelief::new(craters))),
+        Err(reason) => {
+            warn!(%reason, "the Moon's built-in craters cannot be read; its ground is smooth");
+            maps
+        }
+    }
 }
 
 fn grey(picture: &image::DynamicImage) -> std::result::Result<MoonMap<1>, String> {
@@ -146,7 +159,7 @@ fn load_maps(scene: &Scene) -> Arc<MoonMaps> {
         }),
     };
     let normals = match settings.normal_map.as_str() {
-        "" => None,
+        "" | "none" => None,
         name => open(name).and_then(|picture| colours(&picture)).map_or_else(
             |reason| {
                 warn!(%reason, "body.moon.normal_map cannot be used; the Moon's ground is smooth");
@@ -155,7 +168,8 @@ fn load_maps(scene: &Scene) -> Arc<MoonMaps> {
             Some,
         ),
     };
-    Arc::new(MoonMaps::new(albedo, normals))
+    let relief = built_in().relief.clone().filter(|_| settings.normal_map.is_empty());
+    Arc::new(MoonMaps { relief, ..MoonMaps::new(albedo, normals) })
 }
 
 /// Sun, Moon and observer, vectors east-north-up in metres.

@@ -10,11 +10,15 @@
 //!   the phase angle's change over the disc (0.5°), shadows that mountains cast.
 //! - **Known to look wrong**: without a map of normals the terminator is smooth; beyond 70° of latitude the albedo is flat.
 
+pub mod craters;
+pub mod heights;
 pub mod model;
 mod params;
 mod pass;
 
+pub use craters::{Crater, CraterShape, CratersError};
+pub use heights::{MoonHeights, MoonRelief};
 pub use model::{EclipseMap, MoonEclipse, MoonMap, MoonMapError, MoonMaps, MoonState};
 pub use params::{MoonParams, MoonPhotometry, ShadowRule};
-pub(crate) use pass::MoonTextures;
+pub(crate) use pass::{GroundForm, MoonTextures};
 pub use pass::MoonUniform;

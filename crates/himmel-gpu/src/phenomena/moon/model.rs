@@ -4,7 +4,10 @@ use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
 
 use glam::{DMat3, DVec2, DVec3};
+use half::f16;
 use himmel_air::refraction::Bending;
+
+use super::heights::{MoonRelief, map_uv, sun_above};
 
 /// Largest width of a map: WebGPU guarantees textures of 8,192.
 const WIDEST: u32 = 8192;
@@ -73,11 +76,28 @@ impl<const N: usize> MoonMap<N> {
         &self.levels
     }
 
+    /// The same in another size, between texels.
+    fn resampled(&self, width: u32) -> Self {
+        if self.width == width {
+            return self.clone();
+        }
+        let height = width / 2;
+        let at = |i: u32| {
+            let place = DVec2::new((f64::from(i % width) + 0.5) / f64::from(width), (f64::from(i / width) + 0.5) / f64::from(height));
+            self.at(place).map(|value| (value * 255.0).round() as u8)
+        };
+        Self::new(width, height, (0..width * height).map(at).collect()).unwrap_or_else(|_| self.clone())
+    }
+
     /// Between texels of the finest level, 0..=1. `own`: unit vector in the Moon's frame.
     pub fn sample(&self, own: DVec3) -> [f64; N] {
+        self.at(map_uv(own))
+    }
+
+    fn at(&self, uv: DVec2) -> [f64; N] {
         let (w, h) = (self.width as usize, self.height as usize);
-        let x = (own.y.atan2(own.x) / TAU + 0.5) * w as f64 - 0.5;
-        let y = (own.z.clamp(-1.0, 1.0).acos() / PI * h as f64 - 0.5).clamp(0.0, (h - 1) as f64);
+        let x = uv.x * w as f64 - 0.5;
+        let y = (uv.y * h as f64 - 0.5).clamp(0.0, (h - 1) as f64);
         let (x0, y0) = (x.floor(), y.floor());
         let (fx, fy) = (x - x0, y - y0);
         let at = |dx: i64, dy: usize| {
@@ -99,6 +119,8 @@ pub struct MoonMaps {
     pub albedo: MoonMap<1>,
     /// Normals: east, north, up as 0..=255.
     pub normals: Option<MoonMap<4>>,
+    /// Heights, which stand back where there are normals.
+    pub relief: Option<Arc<MoonRelief>>,
     /// That factor: the near side at full Moon has a mean of 1.
     pub albedo_scale: f64,
 }
@@ -118,7 +140,24 @@ impl MoonMaps {
             }
         }
         let mean: f64 = sum / f64::max(count, 1.0);
-        Self { albedo, normals, albedo_scale: if mean > 0.0 { 1.0 / mean } else { 0.0 } }
+        Self { albedo, normals, relief: None, albedo_scale: if mean > 0.0 { 1.0 / mean } else { 0.0 } }
+    }
+
+    /// The same with heights.
+    pub fn with_relief(self, relief: Arc<MoonRelief>) -> Self {
+        Self { relief: Some(relief), ..self }
+    }
+
+    /// Albedo and height in km by level, and the texels of a row; `None` without heights. Makes their map.
+    pub(crate) fn with_heights(&self) -> Option<(u32, Vec<Vec<[f16; 2]>>)> {
+        let heights = self.relief.as_ref()?.heights();
+        let width = heights.width();
+        let albedo = self.albedo.resampled(width);
+        let code: [f16; 256] = std::array::from_fn(|i| f16::from_f32(i as f32 / 255.0));
+        let both = |(albedo, heights): (&Vec<[u8; 1]>, &Vec<f16>)| {
+            albedo.iter().zip(heights).map(|([albedo], height)| [code[usize::from(*albedo)], *height]).collect()
+        };
+        Some((width, albedo.levels.iter().zip(heights.levels()).map(both).collect()))
     }
 
     /// Albedo, east and north slope, and nothing, at the albedo's texels; `None` without normals.
@@ -142,7 +181,7 @@ impl MoonMaps {
 
     /// Even ground.
     pub fn even() -> Self {
-        Self { albedo: MoonMap::even([255]), normals: None, albedo_scale: 1.0 }
+        Self { albedo: MoonMap::even([255]), normals: None, relief: None, albedo_scale: 1.0 }
     }
 }
 
@@ -226,7 +265,7 @@ pub struct MoonState {
     pub eclipse: Option<MoonEclipse>,
     /// The ground.
     pub maps: Arc<MoonMaps>,
-    /// Factor on the slopes of the map of normals.
+    /// Factor on the slopes of the ground.
     pub relief: f64,
 }
 
@@ -287,19 +326,40 @@ impl MoonState {
         }
         let normal = sphere_normal(aside, self.direction, sine);
         let mu = (1.0 - (off / sine).powi(2)).max(0.0).sqrt();
-        Some(self.ground_radiance(normal, mu))
+        let eye = -(self.direction + aside).normalize();
+        Some(self.ground_radiance(normal, eye, mu))
     }
 
-    /// Radiance of the ground. `normal`: of the sphere; `mu`: cosine to the observer. Without the map of normals.
-    pub fn ground_radiance(&self, normal: DVec3, mu: f64) -> [f64; 4] {
-        let albedo = self.maps.albedo.sample(self.body_from_enu * normal)[0] * self.maps.albedo_scale;
+    /// Radiance of the ground. `normal`: of the sphere; `eye`: unit vector to the observer, `mu` its cosine. With heights, without the
+    /// map of normals.
+    pub fn ground_radiance(&self, normal: DVec3, eye: DVec3, mu: f64) -> [f64; 4] {
+        let own = self.body_from_enu * normal;
+        let albedo = self.maps.albedo.sample(own)[0] * self.maps.albedo_scale;
+        let (mu_0, mu_seen) = self.relief_cosines(own, self.body_from_enu * eye).unwrap_or((normal.dot(self.to_sun), mu));
         let shade = self.eclipse.as_ref().map_or([1.0; 4], |eclipse| {
             let from_axis = eclipse.offset + normal - eclipse.axis * normal.dot(eclipse.axis);
             eclipse.light(from_axis)
         });
-        let by_sun = lommel_seeliger(normal.dot(self.to_sun), mu);
+        let by_sun = lommel_seeliger(mu_0, mu_seen);
         let by_earth = lommel_seeliger(normal.dot(self.to_earth), mu);
         std::array::from_fn(|k| albedo * (self.sunlit[k] * shade[k] * by_sun + self.earthlit[k] * by_earth))
+    }
+
+    /// Cosines to the Sun, in shadow 0, and to the observer on ground with heights. `own`, `eye`: of the sphere and to the observer,
+    /// in the Moon's frame.
+    fn relief_cosines(&self, own: DVec3, eye: DVec3) -> Option<(f64, f64)> {
+        let relief = self.maps.relief.as_ref().filter(|_| self.maps.normals.is_none() && self.relief > 0.0)?;
+        let heights = relief.heights();
+        let sun = self.body_from_enu * self.to_sun;
+        let north = (DVec3::Z - own * own.z + DVec3::splat(1e-9)).normalize();
+        let east = north.cross(own);
+        let slopes = heights.slopes(own, 0.0, self.relief);
+        let tilted = (own - slopes.x * east - slopes.y * north).normalize();
+        let aside = DVec2::new(east.dot(sun), north.dot(sun));
+        let level = aside.length().max(1e-4);
+        let tan = own.dot(sun) / level;
+        let horizon = heights.horizon(own, 0.0, self.relief, aside / level, tan);
+        Some((tilted.dot(sun).max(0.0) * sun_above(tan, horizon), tilted.dot(eye).max(0.0)))
     }
 }
 

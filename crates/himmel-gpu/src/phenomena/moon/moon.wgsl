@@ -3,18 +3,25 @@
 //#include "frame/frame.wgsl"
 //#include "frame/sphere.wgsl"
 
-// Relative albedo over selenographic longitude (−π..π) and latitude (from the north); in g and b slopes to east and north
-// as 0..1, where there is a map of normals.
+// Relative albedo over selenographic longitude (−π..π) and latitude (from the north); with a map of normals slopes to east and north
+// as 0..1 in g and b, with heights km in g.
 @group(1) @binding(7) var moon_ground: texture_2d<f32>;
 @group(1) @binding(8) var moon_sampler: sampler;
 // Logarithm of what is left of sunlight in the Earth's shadow, over the distance from its axis.
 @group(1) @binding(9) var moon_shadow: texture_2d<f32>;
 
-// Points along a pixel's side: small discs need more for their terminator. Whether the ground has relief; whether the Earth's shadow
-// may be on it.
+// Points along a pixel's side: small discs need more for their terminator. Relief of the ground: 0 none, 1 by normals, 2 by heights.
+// Whether the Earth's shadow may be on it.
 override moon_side: u32 = 4u;
-override moon_relief: bool = true;
+override moon_relief: u32 = 0u;
 override moon_eclipsed: bool = true;
+
+// As in heights.rs: steps of the way to the horizon grow by a factor and see the mean of ground as wide as a share of the way.
+const STEP: f32 = 1.25;
+const WIDTH_OF_STEP: f32 = 0.2;
+// Tangents: of the Sun's apparent radius; of the elevation below which it lights no peak.
+const SUN_TAN: f32 = 0.00465;
+const DARK_TAN: f32 = -0.09;
 
 // What the Moon sends along a ray, and how much of the pixel it covers.
 struct MoonLight {
@@ -90,19 +97,80 @@ fn moon_sample(
     let normal = sphere_normal(aside * (seen / max(off, 1e-9)), centre, sine);
     let mu = sqrt(max(1.0 - seen * seen / (sine * sine), 0.0));
     let share = cover * thin / f32(moon_side * moon_side);
-    return MoonLight(share * moon_radiance(normal, mu, pixel / (sine * f32(moon_side))), share);
+    let eye = -normalize(centre + aside * (seen / max(off, 1e-9)));
+    return MoonLight(share * moon_radiance(normal, eye, mu, pixel / (sine * f32(moon_side))), share);
 }
 
-// Radiance of the ground. `normal`: of the sphere; `mu`: cosine to the observer; `footprint`: of the pixel, in radii.
-fn moon_radiance(normal: vec3f, mu: f32, footprint: f32) -> vec4f {
+fn moon_ground_at(uv: vec2f, level: f32) -> vec4f {
+    return textureSampleLevel(moon_ground, moon_sampler, uv, level);
+}
+
+// Slopes to east and north. `arc`: width of a texel of the level, in radii.
+fn moon_slopes(uv: vec2f, cos_lat: f32, level: f32, arc: f32) -> vec2f {
+    let east = vec2f(arc * 0.15915494 / cos_lat, 0.0);
+    let north = vec2f(0.0, -arc * 0.31830989);
+    let rise = vec2f(
+        moon_ground_at(uv + east, level).y - moon_ground_at(uv - east, level).y,
+        moon_ground_at(uv + north, level).y - moon_ground_at(uv - north, level).y);
+    return rise * (view.moon.relief / (2.0 * arc));
+}
+
+// Tangent of the elevation of the horizon. `here`: height, `tan_lat`: tangent of the latitude, `towards`: unit vector to the light in
+// east and north, `tan_light`: of its elevation, beyond which nothing is looked for; `near`: slope towards it.
+fn moon_horizon(
+    uv: vec2f, cos_lat: f32, tan_lat: f32, level: f32, arc: f32, here: f32, towards: vec2f, tan_light: f32, near: f32,
+) -> f32 {
+    var horizon = near;
+    let rise = max(view.moon.highest - here, 0.0);
+    let furthest = select(0.0, sqrt(tan_light * tan_light + 2.0 * rise) - tan_light, tan_light > DARK_TAN);
+    let own_level = log2(arc / WIDTH_OF_STEP) - level;
+    for (var way = arc; way < furthest; way *= STEP) {
+        // The great circle to second order.
+        let east = towards.x * (1.0 + way * towards.y * tan_lat) / cos_lat;
+        let north = towards.y - 0.5 * way * towards.x * towards.x * tan_lat;
+        let there = uv + way * vec2f(east * 0.15915494, -north * 0.31830989);
+        let height = moon_ground_at(there, max(level, log2(way) - own_level)).y * view.moon.relief;
+        horizon = max(horizon, (height - here) / way - 0.5 * way);
+    }
+    return horizon;
+}
+
+// What of the Sun's disc stands above a horizon; tangents of elevations.
+fn sun_above(tan_light: f32, horizon: f32) -> f32 {
+    return smoothstep(0.0, 1.0, (tan_light - horizon) / SUN_TAN * 0.5 + 0.5);
+}
+
+// Radiance of the ground. `normal`: of the sphere; `eye`: unit vector to the observer, `mu` its cosine; `footprint`: of the pixel, in
+// radii.
+fn moon_radiance(normal: vec3f, eye: vec3f, mu: f32, footprint: f32) -> vec4f {
     let own = vec3f(
         dot(view.moon.body_x.xyz, normal), dot(view.moon.body_y.xyz, normal), dot(view.moon.body_z.xyz, normal));
-    let level = map_level(textureDimensions(moon_ground).x, footprint, mu);
-    let ground = textureSampleLevel(moon_ground, moon_sampler, map_uv(own), level);
+    let width = textureDimensions(moon_ground).x;
+    let level = map_level(width, footprint, mu);
+    let uv = map_uv(own);
+    let ground = moon_ground_at(uv, level);
     let albedo = ground.x * view.moon.albedo_scale;
     let smooth_mu_0 = dot(normal, view.moon.to_sun);
     var mu_0 = smooth_mu_0;
-    if moon_relief {
+    var mu_seen = mu;
+    if moon_relief == 2u {
+        let cos_lat = max(sqrt(max(1.0 - own.z * own.z, 0.0)), 0.035);
+        let arc = 6.2831853 / f32(width) * exp2(level);
+        let north = normalize(view.moon.body_z.xyz - normal * own.z + vec3f(1e-9));
+        let east = cross(north, normal);
+        let slopes = moon_slopes(uv, cos_lat, level, arc);
+        let tilted = normalize(normal - slopes.x * east - slopes.y * north);
+        let aside = vec2f(dot(east, view.moon.to_sun), dot(north, view.moon.to_sun));
+        let level_part = max(length(aside), 1e-4);
+        let towards = aside / level_part;
+        let tan_sun = smooth_mu_0 / level_part;
+        let horizon = moon_horizon(
+            uv, cos_lat, own.z / cos_lat, level, arc, ground.y * view.moon.relief, towards, tan_sun,
+            dot(slopes, towards));
+        mu_0 = max(dot(tilted, view.moon.to_sun), 0.0) * sun_above(tan_sun, horizon);
+        mu_seen = max(dot(tilted, eye), 0.0);
+    }
+    if moon_relief == 1u {
         let slopes = (ground.yz * 255.0 - 128.0) / 127.0;
         let north = normalize(view.moon.body_z.xyz - normal * own.z + vec3f(1e-9));
         let east = cross(north, normal);
@@ -121,6 +189,6 @@ fn moon_radiance(normal: vec3f, mu: f32, footprint: f32) -> vec4f {
         shade = exp(ln);
     }
     let mu_e = dot(normal, view.moon.to_earth);
-    return albedo * (view.moon.sunlit * shade * lommel_seeliger(mu_0, mu)
+    return albedo * (view.moon.sunlit * shade * lommel_seeliger(mu_0, mu_seen)
         + view.moon.earthlit * lommel_seeliger(mu_e, mu));
 }

@@ -47,9 +47,9 @@ params! {
         earthshine_short: bool = false;
         /// Picture of its albedo in latitude and longitude, 0° in the middle; empty: the built-in one; none: even ground.
         albedo_map: String = String::new();
-        /// Picture of its normals (red east, green north, blue up) in latitude and longitude; empty: smooth ground.
+        /// Picture of its normals (red east, green north, blue up) in latitude and longitude; empty: heights by its craters; none: smooth.
         normal_map: String = String::new();
-        /// Factor on the slopes of the map of normals.
+        /// Factor on the slopes of the map of normals, or on the heights; 0: smooth ground.
         relief: f64 = 1.0, "", 0.0..=10.0;
         /// What is in the Earth's shadow, and where its edge lies.
         eclipse: ShadowRule = ShadowRule::Danjon;

@@ -3,8 +3,10 @@
 use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
+use half::slice::HalfFloatSliceExt;
 use himmel_air::refraction::Bending;
 
+use super::heights::RADIUS_KM;
 use super::model::{EclipseMap, MoonMap, MoonMaps, MoonState};
 use crate::layout::gpu_struct;
 use crate::pass::{Bound, Slot};
@@ -18,7 +20,7 @@ gpu_struct! {
         pub sine: f32,
         /// Unit vector to the Sun.
         pub to_sun: [f32; 3],
-        /// Factor on slopes.
+        /// Factor on slopes, or radii for a km.
         pub relief: f32,
         /// Unit vector to the Earth.
         pub to_earth: [f32; 3],
@@ -44,8 +46,10 @@ gpu_struct! {
         pub lift_middle: f32,
         /// Half their span, rad.
         pub lift_reach: f32,
+        /// Highest ground, radii.
+        pub highest: f32,
         /// Fills up.
-        pub padding: [f32; 2],
+        pub padding: f32,
         /// Radiance in sunlight.
         pub sunlit: [f32; 4],
         /// Radiance in the Earth's light.
@@ -54,15 +58,15 @@ gpu_struct! {
 }
 
 impl MoonUniform {
-    /// In the frame of a view. `view_from_enu`: its rotation.
-    pub fn new(moon: &MoonState, bending: &Bending, view_from_enu: DMat3) -> Self {
+    /// In the frame of a view. `view_from_enu`: its rotation; `highest_km`: of the ground.
+    pub fn new(moon: &MoonState, bending: &Bending, view_from_enu: DMat3, highest_km: f64) -> Self {
         let (lift, [lift_middle, lift_reach]) = lift(moon, bending);
         let vector = |v: DVec3| (view_from_enu * v).as_vec3().to_array();
         let body = moon.body_from_enu * view_from_enu.transpose();
         let row = |i: usize| body.row(i).extend(0.0).as_vec4().to_array();
         let eclipse = moon.eclipse.as_ref();
         let texels = eclipse.map_or(0, |eclipse| eclipse.map.ln_light.len()).min(SHADOW_TEXELS as usize);
-        let relief = if moon.maps.normals.is_some() { moon.relief } else { 0.0 };
+        let relief = if moon.maps.normals.is_some() { moon.relief } else { moon.relief / RADIUS_KM };
         Self {
             centre: vector(moon.direction),
             sine: moon.radius_rad.clamp(1e-6, 1.5).sin() as f32,
@@ -80,7 +84,8 @@ impl MoonUniform {
             lift: lift.map(|value| value as f32),
             lift_middle: lift_middle as f32,
             lift_reach: lift_reach as f32,
-            padding: [0.0; 2],
+            highest: (highest_km * relief) as f32,
+            padding: 0.0,
             sunlit: moon.sunlit.map(|value| value as f32),
             earthlit: moon.earthlit.map(|value| value as f32),
         }
@@ -103,11 +108,24 @@ fn lift(moon: &MoonState, bending: &Bending) -> ([f64; 4], [f64; 2]) {
 /// Most nodes of a shadow's table.
 const SHADOW_TEXELS: u32 = 512;
 
+/// What the ground's texture has beside albedo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum GroundForm {
+    /// Nothing.
+    Albedo,
+    /// Slopes by a map of normals.
+    Normals,
+    /// Heights.
+    Heights,
+}
+
 /// The textures in hand.
 pub(crate) struct MoonTextures {
     sampler: wgpu::Sampler,
     ground: wgpu::TextureView,
     ground_bytes: u64,
+    form: GroundForm,
+    highest_km: f64,
     shadow: wgpu::Texture,
     shadow_view: wgpu::TextureView,
     maps: Arc<MoonMaps>,
@@ -140,20 +158,30 @@ impl MoonTextures {
         });
         let shadow_view = shadow.create_view(&Default::default());
         let maps = Arc::new(MoonMaps::even());
-        let (ground, ground_bytes) = ground(device, queue, &maps);
-        Self { sampler, ground, ground_bytes, shadow, shadow_view, maps, eclipse: None }
+        let form = GroundForm::Albedo;
+        let (ground, ground_bytes) = ground(device, queue, &maps, form);
+        Self { sampler, ground, ground_bytes, form, highest_km: 0.0, shadow, shadow_view, maps, eclipse: None }
     }
 
     pub(crate) fn bound(&self) -> [(u32, Bound<'_>); 3] {
         [(7, Bound::View(&self.ground)), (8, Bound::Sampler(&self.sampler)), (9, Bound::View(&self.shadow_view))]
     }
 
-    /// Uploads what is new; true if bind groups with it are stale.
-    pub(crate) fn hold(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, moon: &MoonState) -> bool {
-        let stale = !Arc::ptr_eq(&self.maps, &moon.maps);
+    /// Uploads what is new; true if bind groups with it are stale. `near`: whether heights would be seen. Once there they stay.
+    pub(crate) fn hold(&mut self, device: &wgpu::Device, queue: &wgpu::Queue, moon: &MoonState, near: bool) -> bool {
+        let new = !Arc::ptr_eq(&self.maps, &moon.maps);
+        let form = match (&moon.maps.normals, &moon.maps.relief) {
+            (Some(_), _) => GroundForm::Normals,
+            (None, Some(_)) if near && moon.relief > 0.0 || !new && self.form == GroundForm::Heights => GroundForm::Heights,
+            _ => GroundForm::Albedo,
+        };
+        let stale = new || form != self.form;
         if stale {
             self.maps = Arc::clone(&moon.maps);
-            (self.ground, self.ground_bytes) = ground(device, queue, &self.maps);
+            self.form = form;
+            (self.ground, self.ground_bytes) = ground(device, queue, &self.maps, form);
+            let relief = self.maps.relief.as_ref().filter(|_| form == GroundForm::Heights);
+            self.highest_km = relief.map_or(0.0, |relief| relief.heights().highest_km());
         }
         if let Some(eclipse) = &moon.eclipse
             && self.eclipse.as_ref().is_none_or(|held| !Arc::ptr_eq(held, &eclipse.map))
@@ -166,44 +194,68 @@ impl MoonTextures {
         stale
     }
 
+    /// What the ground's texture has.
+    pub(crate) fn form(&self) -> GroundForm {
+        self.form
+    }
+
+    /// Height of the highest ground, where there are heights.
+    pub(crate) fn highest_km(&self) -> f64 {
+        self.highest_km
+    }
+
     /// Memory in bytes.
     pub(crate) fn bytes(&self) -> u64 {
         self.ground_bytes + 16 * u64::from(SHADOW_TEXELS)
     }
 }
 
-/// Albedo, and beside it slopes where there is a map of normals: one texture, one look-up. Its memory in bytes.
-fn ground(device: &wgpu::Device, queue: &wgpu::Queue, maps: &MoonMaps) -> (wgpu::TextureView, u64) {
-    let texture = match maps.with_normals() {
-        Some(map) => texture(device, queue, "moon ground", wgpu::TextureFormat::Rgba8Unorm, &map),
-        None => texture(device, queue, "moon ground", wgpu::TextureFormat::R8Unorm, &maps.albedo),
+/// Albedo, and beside it slopes or heights: one texture, one look-up. Its memory in bytes.
+fn ground(device: &wgpu::Device, queue: &wgpu::Queue, maps: &MoonMaps, form: GroundForm) -> (wgpu::TextureView, u64) {
+    use wgpu::TextureFormat::{R8Unorm, Rg16Float, Rgba8Unorm};
+    fn bytes<const N: usize>(map: &MoonMap<N>) -> impl Iterator<Item = &[u8]> {
+        map.levels().iter().map(|level| level.as_flattened())
+    }
+    let (normals, heights) = match form {
+        GroundForm::Albedo => (None, None),
+        GroundForm::Normals => (maps.with_normals(), None),
+        GroundForm::Heights => (None, maps.with_heights()),
     };
+    let texture = match (&normals, &heights) {
+        (Some(map), _) => texture(device, queue, Rgba8Unorm, map.size(), bytes(map)),
+        (_, Some((width, levels))) => {
+            let levels = levels.iter().map(|level| bytemuck::cast_slice(level.as_flattened().reinterpret_cast()));
+            texture(device, queue, Rg16Float, [*width, *width / 2], levels)
+        }
+        _ => texture(device, queue, R8Unorm, maps.albedo.size(), bytes(&maps.albedo)),
+    };
+    let texel_bytes = texture.format().block_copy_size(None).unwrap_or(1);
     let texels = u64::from(texture.width()) * u64::from(texture.height()) * 4 / 3;
-    let bytes = if maps.normals.is_some() { 4 * texels } else { texels };
-    (texture.create_view(&Default::default()), bytes)
+    (texture.create_view(&Default::default()), u64::from(texel_bytes) * texels)
 }
 
-fn texture<const N: usize>(
+fn texture<'a>(
     device: &wgpu::Device,
     queue: &wgpu::Queue,
-    label: &str,
     format: wgpu::TextureFormat,
-    map: &MoonMap<N>,
+    [width, height]: [u32; 2],
+    levels: impl Iterator<Item = &'a [u8]>,
 ) -> wgpu::Texture {
-    let [width, height] = map.size();
+    let levels: Vec<_> = levels.collect();
     let texture = device.create_texture(&wgpu::TextureDescriptor {
-        label: Some(label),
+        label: Some("moon ground"),
         size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        mip_level_count: map.levels().len() as u32,
+        mip_level_count: levels.len() as u32,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         format,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
     });
-    for (level, texels) in map.levels().iter().enumerate() {
+    let texel_bytes = format.block_copy_size(None).unwrap_or(1);
+    for (level, texels) in levels.into_iter().enumerate() {
         let size = |side: u32| (side >> level).max(1);
-        write(queue, &texture, level as u32, size(width), size(height), N as u32, texels.as_flattened());
+        write(queue, &texture, level as u32, size(width), size(height), texel_bytes, texels);
     }
     texture
 }

@@ -7,7 +7,7 @@ struct MoonUniform {
     sine: f32,
     // Unit vector from it to the Sun.
     to_sun: vec3f,
-    // Factor on the slopes of the map of normals; 0: none is read.
+    // Factor on the slopes of the map of normals; radii of the Moon for a km of the map of heights.
     relief: f32,
     // Unit vector from it to the Earth.
     to_earth: vec3f,
@@ -30,7 +30,9 @@ struct MoonUniform {
     // Middle and reach, rad.
     lift_middle: f32,
     lift_reach: f32,
-    padding: vec2f,
+    // Height of the highest ground, radii.
+    highest: f32,
+    padding: f32,
     // Radiance of ground with relative albedo 1 for µ₀/(µ₀ + µ) = 1: in sunlight, in the Earth's light.
     sunlit: vec4f,
     earthlit: vec4f,
