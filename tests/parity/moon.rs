@@ -9,6 +9,9 @@ use himmel::parts::astro::{Body, Instant, Observer, Place, Precise};
 use himmel::{Output, Pixels, SkyModel, Still};
 use himmel_tests::{gpu, model};
 
+/// Ground without albedo and relief of its own.
+const SMOOTH: [(&str, &str); 2] = [("body.moon.albedo_map", "none"), ("body.moon.relief", "0")];
+
 /// Luminance of a square picture of the Moon without air, `size` pixels for 0.6°, and the scene.
 fn picture(place: &str, time: &str, size: u32, more: &[(&str, &str)]) -> (SkyModel, Vec<f64>) {
     let pixels = size.to_string();
@@ -91,8 +94,7 @@ fn phase_and_terminator_are_the_almanacs() {
         ("2023-10-28, before the eclipse", "Potsdam", "2023-10-28T17:00Z"),
         ("2024-04-23", "Potsdam", "2024-04-23T23:30Z"),
     ] {
-        let (model, light) =
-            picture(place, time, SIZE, &[("body.moon.albedo_map", "none"), ("body.moon.earthshine", "0")]);
+        let (model, light) = picture(place, time, SIZE, &[SMOOTH[0], SMOOTH[1], ("body.moon.earthshine", "0")]);
         let almanac = almanac(&model);
         let moon = model.moon().unwrap().unwrap();
         let radius_rad = moon.radius_deg.to_radians();
@@ -135,14 +137,7 @@ fn libration_is_the_almanacs() {
         let radius_rad = model.moon().unwrap().unwrap().radius_deg.to_radians();
         // Aristarchus, Proclus: bright spots among dark ground [IAU gazetteer of planetary nomenclature].
         for (name, longitude_deg, latitude_deg) in [("Aristarchus", -47.49f64, 23.73f64), ("Proclus", 46.89, 16.09)] {
-            let (lon, lat) = (longitude_deg.to_radians() - almanac.longitude_rad, latitude_deg.to_radians());
-            let b0 = almanac.latitude_rad;
-            // Orthographic: towards the east limb (to the right with north up), towards north.
-            let east = lat.cos() * lon.sin();
-            let north = lat.sin() * b0.cos() - lat.cos() * b0.sin() * lon.cos();
-            let (sin, cos) = almanac.axis_rad.sin_cos();
-            // The axis leans by its angle to the left.
-            let expected = DVec2::new(east * cos - north * sin, east * sin + north * cos);
+            let expected = place_on_disc(&almanac, longitude_deg, latitude_deg);
             let near: Vec<(DVec2, f64)> = (light.iter().enumerate())
                 .map(|(index, value)| (on_disc(index, SIZE, radius_rad), *value))
                 .filter(|(place, _)| (*place - expected).length() < 0.06)
@@ -171,12 +166,8 @@ fn the_umbra_ends_at_danjons_radius() {
         ("New York", "2022-05-16T03:00Z", true),
         ("Perth", "2023-05-05T17:23Z", false),
     ] {
-        let (model, light) = picture(
-            place,
-            time,
-            SIZE,
-            &[("air.enabled", "on"), ("body.moon.albedo_map", "none"), ("body.moon.earthshine", "0")],
-        );
+        let (model, light) =
+            picture(place, time, SIZE, &[("air.enabled", "on"), SMOOTH[0], SMOOTH[1], ("body.moon.earthshine", "0")]);
         let moon = model.moon().unwrap().unwrap();
         let eclipse = moon.state.eclipse.as_ref().unwrap();
         // The disc's axes in space: right and up as the picture has them.
@@ -221,21 +212,30 @@ fn pixels_are_the_twins_and_sum_to_the_illuminance() {
     // The law is that of a distant sphere; the near one has 1 % less at 126°. Small discs are half limb.
     for (size, tolerance) in [(5u32, 0.03), (40, 0.03), (400, 0.012), (1700, 0.012)] {
         for time in ["2024-04-20T20:00Z", "2024-04-12T19:30Z"] {
-            let (model, light) = picture("Potsdam", time, size, &[("body.moon.albedo_map", "none")]);
+            let sum = |relief: &str| {
+                let settings = [("body.moon.albedo_map", "none"), ("body.moon.relief", relief)];
+                let (model, light) = picture("Potsdam", time, size, &settings);
+                (model, light.iter().sum::<f64>())
+            };
+            let ((model, smooth), (_, rough)) = (sum("0"), sum("1"));
             let moon = model.moon().unwrap().unwrap();
             let pixel = (2.0 * (0.3f64).to_radians().tan() / f64::from(size)).powi(2);
-            let sum = light.iter().sum::<f64>() * pixel;
+            let sum = smooth * pixel;
             // With the Earth's light, which is no part of the illuminance: a full disc of it.
             let earth = model.atmosphere().xyz(moon.state.earthlit).y * PI * 0.5 * moon.radius_deg.to_radians().powi(2);
             let expected = moon.illuminance_lx + earth;
-            println!("{size} px {time}: {sum:.5} lx, expected {expected:.5}");
+            println!(
+                "{size} px {time}: {sum:.5} lx, expected {expected:.5}; {:+.2} % by relief",
+                100.0 * (rough / smooth - 1.0)
+            );
             assert!((sum / expected - 1.0).abs() < tolerance, "{size} {time}: {sum} {expected}");
         }
     }
     const SIZE: u32 = 300;
     // Even ground: f32 alone. The map: the twin reads its finest level, pixels the mean of what they cover.
-    for (map, median, most) in [("none", 1e-4, 2e-3), ("", 0.03, 0.12)] {
-        let (model, light) = picture("Potsdam", "2024-04-20T20:00Z", SIZE, &[("body.moon.albedo_map", map)]);
+    for (map, relief, median, most) in [("none", "0", 1e-4, 2e-3), ("", "0", 0.03, 0.12)] {
+        let settings = [("body.moon.albedo_map", map), ("body.moon.relief", relief)];
+        let (model, light) = picture("Potsdam", "2024-04-20T20:00Z", SIZE, &settings);
         let view = model.view().unwrap();
         let radius_rad = model.moon().unwrap().unwrap().radius_deg.to_radians();
         let mut errors = Vec::new();
@@ -253,6 +253,69 @@ fn pixels_are_the_twins_and_sum_to_the_illuminance() {
         println!("errors: median {:.1e}, 95 % {:.1e}", at(0.5), at(0.95));
         assert!(at(0.5) < median && at(0.95) < most, "{} {}", at(0.5), at(0.95));
     }
+}
+
+/// Where a place of the Moon lies on the disc, in radii.
+fn place_on_disc(almanac: &Almanac, longitude_deg: f64, latitude_deg: f64) -> DVec2 {
+    let (lon, lat) = (longitude_deg.to_radians() - almanac.longitude_rad, latitude_deg.to_radians());
+    let b0 = almanac.latitude_rad;
+    // Orthographic: towards the east limb (to the right with north up), towards north.
+    let east = lat.cos() * lon.sin();
+    let north = lat.sin() * b0.cos() - lat.cos() * b0.sin() * lon.cos();
+    let (sin, cos) = almanac.axis_rad.sin_cos();
+    // The axis leans by its angle to the left.
+    DVec2::new(east * cos - north * sin, east * sin + north * cos)
+}
+
+/// At first quarter craters stand where the gazetteer has them: the wall towards the Sun is darker than a smooth Moon, the one
+/// across it brighter; and pixels are the f64 twin's.
+#[test]
+fn craters_stand_where_the_gazetteer_has_them() {
+    const SIZE: u32 = 1400;
+    let shot = |relief: &str| {
+        picture("Paranal", "2024-04-15T23:30Z", SIZE, &[("body.moon.albedo_map", "none"), ("body.moon.relief", relief)])
+    };
+    let ((_, smooth), (model, rough)) = (shot("0"), shot("1"));
+    let almanac = almanac(&model);
+    let moon = model.moon().unwrap().unwrap();
+    let radius_rad = moon.radius_deg.to_radians();
+    let to_sun = DVec2::new(-almanac.bright_limb_rad.sin(), almanac.bright_limb_rad.cos());
+    for (name, latitude_deg, longitude_deg, diameter_km) in [
+        ("Theophilus", -11.4524, 26.2847, 98.5919),
+        ("Maurolycus", -41.8, 14.0, 114.0),
+        ("Aristoteles", 50.2, 17.4, 87.0),
+        ("Piccolomini", -29.7, 32.2, 87.0),
+    ] {
+        let middle = place_on_disc(&almanac, longitude_deg, latitude_deg);
+        // Half way up the wall: floor and rim of Pike's law for 90 to 110 km, 0.59 and 1 radii.
+        let wall = 0.8 * 0.5 * diameter_km / 1737.4;
+        let at = |light: &[f64], place: DVec2| {
+            let near =
+                (light.iter().enumerate()).filter(|(i, _)| (on_disc(*i, SIZE, radius_rad) - place).length() < 0.003);
+            let (sum, count) = near.fold((0.0, 0.0), |(s, n), (_, value)| (s + value, n + 1.0));
+            sum / count
+        };
+        let [sunward, across] =
+            [wall, -wall].map(|w| at(&rough, middle + to_sun * w) / at(&smooth, middle + to_sun * w));
+        println!("{name}: wall towards the Sun {sunward:.2} of a smooth Moon's light, across {across:.2}");
+        assert!(sunward < 0.75 && across > 1.2, "{name}: {sunward} {across}");
+    }
+    let view = model.view().unwrap();
+    let mut errors = Vec::new();
+    for (index, value) in rough.iter().enumerate().step_by(397) {
+        if on_disc(index, SIZE, radius_rad).length() < 0.9 {
+            let ndc = |i: usize| 2.0 * (i as f64 + 0.5) / f64::from(SIZE) - 1.0;
+            let direction = view.direction([ndc(index % SIZE as usize), -ndc(index / SIZE as usize)]).unwrap();
+            let twin = model.luminance(direction).unwrap();
+            let twin = 0.2126 * twin.x + 0.7152 * twin.y + 0.0722 * twin.z;
+            errors.push((value - twin).abs() / twin.max(1.0));
+        }
+    }
+    errors.sort_by(f64::total_cmp);
+    let at = |share: f64| errors[(share * (errors.len() - 1) as f64) as usize];
+    println!("errors: median {:.1e}, 90 % {:.1e}, 95 % {:.1e}", at(0.5), at(0.9), at(0.95));
+    // The twin reads the finest level, pixels the mean of what they cover; shadows have edges.
+    assert!(at(0.5) < 2e-3 && at(0.9) < 0.1, "{} {}", at(0.5), at(0.9));
 }
 
 #[test]
@@ -277,11 +340,12 @@ fn what_the_disc_costs() {
         ("natural size", "60", "2024-04-23T23:30Z", false),
         ("natural size, narrower", "20", "2024-04-23T23:30Z", false),
         ("natural size, by day", "60", "2024-04-18T14:30Z", false),
+        ("half, fills the frame", "0.3", "2024-04-15T20:00Z", false),
         ("fills the frame", "0.3", "2024-04-23T23:30Z", false),
         ("fills the frame, eclipsed", "0.3", "2022-05-16T04:11Z", true),
     ] {
         let place = if eclipse { "New York" } else { "Potsdam" };
-        let scene = |disc: &str| {
+        let scene = |disc: &str, relief: &str| {
             let settings = [
                 ("observer.place", place),
                 ("clock.time", time),
@@ -292,13 +356,14 @@ fn what_the_disc_costs() {
                 ("output.exposure", "5"),
                 ("body.moon.light", "off"),
                 ("body.moon.disc", disc),
+                ("body.moon.relief", relief),
             ];
             model("earth", &settings)
         };
-        let models = [scene("off"), scene("on")];
+        let models = [scene("off", "1"), scene("on", "0"), scene("on", "1")];
         let mut still = Still::new(gpu(), Output::Display, models[0].atmosphere()).unwrap();
-        let mut least = [f64::INFINITY; 2];
-        for _ in 0..20 {
+        let mut least = [f64::INFINITY; 3];
+        for _ in 0..12 {
             for (model, least) in models.iter().zip(&mut least) {
                 let (frame, view) = (model.frame().unwrap(), model.view().unwrap());
                 let picture = still.render(&frame, &view, 1280, 720, &mut |_| true).unwrap();
@@ -308,10 +373,10 @@ fn what_the_disc_costs() {
             }
         }
         println!(
-            "{name}: {:.2} ms without, {:.2} ms with the disc, {:.2} more",
+            "{name}: {:.2} ms without, {:.2} more with a smooth disc, {:.2} more with relief",
             least[0],
-            least[1],
-            least[1] - least[0]
+            least[1] - least[0],
+            least[2] - least[0]
         );
     }
 }

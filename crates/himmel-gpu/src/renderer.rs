@@ -1143,12 +1143,9 @@ impl SkyRenderer {
                 .shadow
                 .as_ref()
                 .map_or_else(ShadowUniform::default, |shadow| ShadowUniform::new(shadow, view_from_enu)),
-            moon: frame
-                .moon
-                .as_ref()
-                .map_or_else(MoonUniform::default, |moon| {
-                    MoonUniform::new(moon, &frame.bending, view_from_enu, self.moon.highest_km())
-                }),
+            moon: frame.moon.as_ref().map_or_else(MoonUniform::default, |moon| {
+                MoonUniform::new(moon, &frame.bending, view_from_enu, self.moon.span_km())
+            }),
             ..ViewUniform::default()
         };
         Ok(Standing { uniform, up, altitude_m, tiles: tiles.ranges, grid })

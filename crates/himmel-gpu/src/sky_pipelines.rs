@@ -259,7 +259,11 @@ fn sky_pipeline(
         aerosols,
     ];
     let constants = constants.into_iter().chain(kind.moon.into_iter().flat_map(|moon| {
-        [("moon_side", f64::from(moon.side)), ("moon_relief", f64::from(moon.relief)), ("moon_eclipsed", on(moon.eclipsed))]
+        [
+            ("moon_side", f64::from(moon.side)),
+            ("moon_relief", f64::from(moon.relief)),
+            ("moon_eclipsed", on(moon.eclipsed)),
+        ]
     }));
     let mut constants: Vec<_> = constants.collect();
     let [vertex_entry, fragment_entry] = match variant.bodies() {

@@ -189,7 +189,12 @@ fn wrong_settings_are_errors_or_defined() {
     // Maps that are not there: even ground.
     let even = moon(&[("body.moon.albedo_map", "nowhere.png"), ("body.moon.normal_map", "nowhere.png")]);
     assert_eq!(*even.state.maps, MoonMaps::even());
-    assert_eq!(*moon(&[("body.moon.albedo_map", "none")]).state.maps, MoonMaps::even());
+    let none = moon(&[("body.moon.albedo_map", "none"), ("body.moon.normal_map", "none")]);
+    assert_eq!(*none.state.maps, MoonMaps::even());
+    // Without a map of normals there are craters; a catalogue that is broken is named in a warning and smooth.
+    let craters = moon(&[("body.moon.albedo_map", "none")]).state.maps.relief.clone().unwrap();
+    assert!(craters.craters().len() > 8000);
+    assert!(super::craters(MoonMaps::even(), &[1, 2, 3]).relief.is_none());
 }
 
 #[test]
@@ -229,7 +234,12 @@ fn earthshine_is_as_bright_as_measured() {
 #[test]
 fn the_disc_sums_to_the_illuminance() {
     for time in ["2024-04-20T20:00Z", "2024-04-12T19:30Z"] {
-        let model = model(&[("clock.time", time), ("body.moon.albedo_map", "none"), ("body.moon.earthshine", "0"), ("body.moon.relief", "0")]);
+        let model = model(&[
+            ("clock.time", time),
+            ("body.moon.albedo_map", "none"),
+            ("body.moon.earthshine", "0"),
+            ("body.moon.relief", "0"),
+        ]);
         let moon = model.moon().unwrap().unwrap();
         let state = &moon.state;
         let x = state.direction.any_orthonormal_vector();

@@ -20,5 +20,5 @@ pub use craters::{Crater, CraterShape, CratersError};
 pub use heights::{MoonHeights, MoonRelief};
 pub use model::{EclipseMap, MoonEclipse, MoonMap, MoonMapError, MoonMaps, MoonState};
 pub use params::{MoonParams, MoonPhotometry, ShadowRule};
-pub(crate) use pass::{GroundForm, MoonTextures};
 pub use pass::MoonUniform;
+pub(crate) use pass::{GroundForm, MoonTextures};

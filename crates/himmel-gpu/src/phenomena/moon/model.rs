@@ -83,7 +83,10 @@ impl<const N: usize> MoonMap<N> {
         }
         let height = width / 2;
         let at = |i: u32| {
-            let place = DVec2::new((f64::from(i % width) + 0.5) / f64::from(width), (f64::from(i / width) + 0.5) / f64::from(height));
+            let place = DVec2::new(
+                (f64::from(i % width) + 0.5) / f64::from(width),
+                (f64::from(i / width) + 0.5) / f64::from(height),
+            );
             self.at(place).map(|value| (value * 255.0).round() as u8)
         };
         Self::new(width, height, (0..width * height).map(at).collect()).unwrap_or_else(|_| self.clone())
@@ -275,6 +278,12 @@ pub fn lommel_seeliger(mu_0: f64, mu: f64) -> f64 {
     lit / (lit + mu).max(1e-6)
 }
 
+/// A slope that turns from the eye hides behind others: those that are seen have at least half the sphere's cosine. `mu`: that of the
+/// sphere.
+pub fn towards_eye(normal: DVec3, eye: DVec3, mu: f64) -> DVec3 {
+    (normal + eye * (0.5 * mu.max(0.0) - normal.dot(eye)).max(0.0)).normalize()
+}
+
 /// The normal of the sphere where a ray meets it. `aside`: what of the ray is across the direction of the centre; `sine` of
 /// the sphere's apparent radius. Rays that miss get the nearest point of the limb.
 pub fn sphere_normal(aside: DVec3, centre: DVec3, sine: f64) -> DVec3 {
@@ -335,7 +344,8 @@ impl MoonState {
     pub fn ground_radiance(&self, normal: DVec3, eye: DVec3, mu: f64) -> [f64; 4] {
         let own = self.body_from_enu * normal;
         let albedo = self.maps.albedo.sample(own)[0] * self.maps.albedo_scale;
-        let (mu_0, mu_seen) = self.relief_cosines(own, self.body_from_enu * eye).unwrap_or((normal.dot(self.to_sun), mu));
+        let (mu_0, mu_seen) =
+            self.relief_cosines(own, self.body_from_enu * eye).unwrap_or((normal.dot(self.to_sun), mu));
         let shade = self.eclipse.as_ref().map_or([1.0; 4], |eclipse| {
             let from_axis = eclipse.offset + normal - eclipse.axis * normal.dot(eclipse.axis);
             eclipse.light(from_axis)
@@ -359,7 +369,12 @@ impl MoonState {
         let level = aside.length().max(1e-4);
         let tan = own.dot(sun) / level;
         let horizon = heights.horizon(own, 0.0, self.relief, aside / level, tan);
-        Some((tilted.dot(sun).max(0.0) * sun_above(tan, horizon), tilted.dot(eye).max(0.0)))
+        let tilted = towards_eye(tilted, eye, own.dot(eye));
+        let eye_aside = DVec2::new(east.dot(eye), north.dot(eye));
+        let eye_level = eye_aside.length().max(1e-4);
+        let one_side = (eye_aside.dot(aside / level) / eye_level).max(0.0);
+        let hidden = one_side * (1.0 - sun_above(own.dot(eye) / eye_level, horizon));
+        Some((tilted.dot(sun).max(0.0) * sun_above(tan, horizon).max(hidden), tilted.dot(eye)))
     }
 }
 

@@ -18,10 +18,12 @@ override moon_eclipsed: bool = true;
 
 // As in heights.rs: steps of the way to the horizon grow by a factor and see the mean of ground as wide as a share of the way.
 const STEP: f32 = 1.25;
-const WIDTH_OF_STEP: f32 = 0.2;
-// Tangents: of the Sun's apparent radius; of the elevation below which it lights no peak.
+const WIDTH_OF_STEP: f32 = 0.15;
+// Under a higher Sun (its tangent) the craters' walls cast no shadow.
+const STEEPEST: f32 = 0.6;
+const RADIUS_KM: f32 = 1737.4;
+// Tangent of the Sun's apparent radius.
 const SUN_TAN: f32 = 0.00465;
-const DARK_TAN: f32 = -0.09;
 
 // What the Moon sends along a ray, and how much of the pixel it covers.
 struct MoonLight {
@@ -105,32 +107,42 @@ fn moon_ground_at(uv: vec2f, level: f32) -> vec4f {
     return textureSampleLevel(moon_ground, moon_sampler, uv, level);
 }
 
-// Slopes to east and north. `arc`: width of a texel of the level, in radii.
-fn moon_slopes(uv: vec2f, cos_lat: f32, level: f32, arc: f32) -> vec2f {
+// Slopes to east and north. `arc`: width of a texel of the level, in radii; `here`: the map at the place.
+fn moon_slopes(uv: vec2f, cos_lat: f32, level: f32, arc: f32, here: f32) -> vec2f {
     let east = vec2f(arc * 0.15915494 / cos_lat, 0.0);
     let north = vec2f(0.0, -arc * 0.31830989);
-    let rise = vec2f(
-        moon_ground_at(uv + east, level).y - moon_ground_at(uv - east, level).y,
-        moon_ground_at(uv + north, level).y - moon_ground_at(uv - north, level).y);
-    return rise * (view.moon.relief / (2.0 * arc));
+    let there = vec2f(moon_ground_at(uv + east, level).y, moon_ground_at(uv + north, level).y);
+    return (there - here) * (view.moon.relief / arc);
 }
 
-// Tangent of the elevation of the horizon. `here`: height, `tan_lat`: tangent of the latitude, `towards`: unit vector to the light in
-// east and north, `tan_light`: of its elevation, beyond which nothing is looked for; `near`: slope towards it.
-fn moon_horizon(
-    uv: vec2f, cos_lat: f32, tan_lat: f32, level: f32, arc: f32, here: f32, towards: vec2f, tan_light: f32, near: f32,
-) -> f32 {
+// Where a pixel's ground lies, for the way to its horizon.
+struct MoonPlace {
+    uv: vec2f,
+    // Of the latitude.
+    cosine: f32,
+    tangent: f32,
+    // Height in radii; level of the map, and the width of its finest texel in radii.
+    height: f32,
+    level: f32,
+    texel: f32,
+}
+
+// Tangent of the elevation of the horizon. `towards`: unit vector to the light in east and north; `tan_light`: of its elevation,
+// beyond which nothing is looked for; `near`: slope towards it.
+fn moon_horizon(place: MoonPlace, arc: f32, towards: vec2f, tan_light: f32, near: f32) -> f32 {
+    let k = view.moon.relief;
+    let rise = max(view.moon.highest - place.height, 0.0);
+    let looked_for = tan_light < STEEPEST * RADIUS_KM * k && tan_light > view.moon.darkest_tan;
+    let furthest = select(0.0, sqrt(tan_light * tan_light + 2.0 * rise) - tan_light, looked_for);
     var horizon = near;
-    let rise = max(view.moon.highest - here, 0.0);
-    let furthest = select(0.0, sqrt(tan_light * tan_light + 2.0 * rise) - tan_light, tan_light > DARK_TAN);
-    let own_level = log2(arc / WIDTH_OF_STEP) - level;
     for (var way = arc; way < furthest; way *= STEP) {
         // The great circle to second order.
-        let east = towards.x * (1.0 + way * towards.y * tan_lat) / cos_lat;
-        let north = towards.y - 0.5 * way * towards.x * towards.x * tan_lat;
-        let there = uv + way * vec2f(east * 0.15915494, -north * 0.31830989);
-        let height = moon_ground_at(there, max(level, log2(way) - own_level)).y * view.moon.relief;
-        horizon = max(horizon, (height - here) / way - 0.5 * way);
+        let east = towards.x * (1.0 + way * towards.y * place.tangent) / place.cosine;
+        let north = towards.y - 0.5 * way * towards.x * towards.x * place.tangent;
+        let there = place.uv + way * vec2f(east * 0.15915494, -north * 0.31830989);
+        // One level of the map alone: half the work.
+        let level = round(max(place.level, log2(WIDTH_OF_STEP * way / place.texel)));
+        horizon = max(horizon, (moon_ground_at(there, level).y * k - place.height) / way - 0.5 * way);
     }
     return horizon;
 }
@@ -140,11 +152,15 @@ fn sun_above(tan_light: f32, horizon: f32) -> f32 {
     return smoothstep(0.0, 1.0, (tan_light - horizon) / SUN_TAN * 0.5 + 0.5);
 }
 
+// A vector of view space in the Moon's frame.
+fn moon_own(v: vec3f) -> vec3f {
+    return vec3f(dot(view.moon.body_x.xyz, v), dot(view.moon.body_y.xyz, v), dot(view.moon.body_z.xyz, v));
+}
+
 // Radiance of the ground. `normal`: of the sphere; `eye`: unit vector to the observer, `mu` its cosine; `footprint`: of the pixel, in
 // radii.
 fn moon_radiance(normal: vec3f, eye: vec3f, mu: f32, footprint: f32) -> vec4f {
-    let own = vec3f(
-        dot(view.moon.body_x.xyz, normal), dot(view.moon.body_y.xyz, normal), dot(view.moon.body_z.xyz, normal));
+    let own = moon_own(normal);
     let width = textureDimensions(moon_ground).x;
     let level = map_level(width, footprint, mu);
     let uv = map_uv(own);
@@ -154,21 +170,34 @@ fn moon_radiance(normal: vec3f, eye: vec3f, mu: f32, footprint: f32) -> vec4f {
     var mu_0 = smooth_mu_0;
     var mu_seen = mu;
     if moon_relief == 2u {
+        // In the Moon's frame: parts to east and north of a vector v are v.y x − v.x y and v.z − z (v · own), over the cosine of the
+        // latitude.
         let cos_lat = max(sqrt(max(1.0 - own.z * own.z, 0.0)), 0.035);
-        let arc = 6.2831853 / f32(width) * exp2(level);
-        let north = normalize(view.moon.body_z.xyz - normal * own.z + vec3f(1e-9));
-        let east = cross(north, normal);
-        let slopes = moon_slopes(uv, cos_lat, level, arc);
-        let tilted = normalize(normal - slopes.x * east - slopes.y * north);
-        let aside = vec2f(dot(east, view.moon.to_sun), dot(north, view.moon.to_sun));
-        let level_part = max(length(aside), 1e-4);
-        let towards = aside / level_part;
-        let tan_sun = smooth_mu_0 / level_part;
-        let horizon = moon_horizon(
-            uv, cos_lat, own.z / cos_lat, level, arc, ground.y * view.moon.relief, towards, tan_sun,
-            dot(slopes, towards));
-        mu_0 = max(dot(tilted, view.moon.to_sun), 0.0) * sun_above(tan_sun, horizon);
-        mu_seen = max(dot(tilted, eye), 0.0);
+        let sun = moon_own(view.moon.to_sun);
+        let sun_level = sqrt(max(1.0 - smooth_mu_0 * smooth_mu_0, 1e-8));
+        let tan_sun = smooth_mu_0 / sun_level;
+        let aside = vec2f(sun.y * own.x - sun.x * own.y, sun.z - own.z * smooth_mu_0) / cos_lat;
+        let towards = aside / sun_level;
+        let texel = 6.2831853 / f32(width);
+        let arc = texel * exp2(level);
+        let slopes = moon_slopes(uv, cos_lat, level, arc, ground.y);
+        let place = MoonPlace(uv, cos_lat, own.z / cos_lat, ground.y * view.moon.relief, level, texel);
+        let horizon = moon_horizon(place, arc, towards, tan_sun, dot(slopes, towards));
+        let eye_own = moon_own(eye);
+        let eye_aside = vec2f(eye_own.y * own.x - eye_own.x * own.y, eye_own.z - own.z * mu) / cos_lat;
+        // Cosines to the Sun and to the eye on the slope.
+        let steep = inverseSqrt(1.0 + dot(slopes, slopes));
+        let tilted = vec2f(smooth_mu_0 - dot(slopes, aside), mu - dot(slopes, eye_aside)) * steep;
+        // A slope that turns from the eye hides behind others: those that are seen have at least half the sphere's cosine.
+        let turn = max(0.5 * mu - tilted.y, 0.0);
+        let seen = (tilted + turn * vec2f(dot(eye, view.moon.to_sun), 1.0))
+            * inverseSqrt(1.0 + turn * (2.0 * tilted.y + turn));
+        // Where the Sun's horizon hides the ground from the eye too, what is seen is lit.
+        let eye_level = sqrt(max(1.0 - mu * mu, 1e-8));
+        let hidden = max(dot(eye_aside, towards), 0.0) / eye_level * (1.0 - sun_above(mu / eye_level, horizon));
+        let lit = max(sun_above(tan_sun, horizon), hidden);
+        mu_0 = select(0.0, max(seen.x, 0.0) * lit, tan_sun > view.moon.darkest_tan);
+        mu_seen = seen.y;
     }
     if moon_relief == 1u {
         let slopes = (ground.yz * 255.0 - 128.0) / 127.0;

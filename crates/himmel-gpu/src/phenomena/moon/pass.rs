@@ -6,7 +6,7 @@ use glam::{DMat3, DVec3};
 use half::slice::HalfFloatSliceExt;
 use himmel_air::refraction::Bending;
 
-use super::heights::RADIUS_KM;
+use super::heights::{RADIUS_KM, darkest_tan};
 use super::model::{EclipseMap, MoonMap, MoonMaps, MoonState};
 use crate::layout::gpu_struct;
 use crate::pass::{Bound, Slot};
@@ -48,8 +48,8 @@ gpu_struct! {
         pub lift_reach: f32,
         /// Highest ground, radii.
         pub highest: f32,
-        /// Fills up.
-        pub padding: f32,
+        /// Tangent of the Sun that lights no ground.
+        pub darkest_tan: f32,
         /// Radiance in sunlight.
         pub sunlit: [f32; 4],
         /// Radiance in the Earth's light.
@@ -58,8 +58,8 @@ gpu_struct! {
 }
 
 impl MoonUniform {
-    /// In the frame of a view. `view_from_enu`: its rotation; `highest_km`: of the ground.
-    pub fn new(moon: &MoonState, bending: &Bending, view_from_enu: DMat3, highest_km: f64) -> Self {
+    /// In the frame of a view. `view_from_enu`: its rotation; `span_km`: lowest and highest ground.
+    pub fn new(moon: &MoonState, bending: &Bending, view_from_enu: DMat3, span_km: [f64; 2]) -> Self {
         let (lift, [lift_middle, lift_reach]) = lift(moon, bending);
         let vector = |v: DVec3| (view_from_enu * v).as_vec3().to_array();
         let body = moon.body_from_enu * view_from_enu.transpose();
@@ -84,8 +84,8 @@ impl MoonUniform {
             lift: lift.map(|value| value as f32),
             lift_middle: lift_middle as f32,
             lift_reach: lift_reach as f32,
-            highest: (highest_km * relief) as f32,
-            padding: 0.0,
+            highest: (span_km[1] * relief) as f32,
+            darkest_tan: darkest_tan(span_km, moon.relief) as f32,
             sunlit: moon.sunlit.map(|value| value as f32),
             earthlit: moon.earthlit.map(|value| value as f32),
         }
@@ -125,7 +125,7 @@ pub(crate) struct MoonTextures {
     ground: wgpu::TextureView,
     ground_bytes: u64,
     form: GroundForm,
-    highest_km: f64,
+    span_km: [f64; 2],
     shadow: wgpu::Texture,
     shadow_view: wgpu::TextureView,
     maps: Arc<MoonMaps>,
@@ -160,7 +160,7 @@ impl MoonTextures {
         let maps = Arc::new(MoonMaps::even());
         let form = GroundForm::Albedo;
         let (ground, ground_bytes) = ground(device, queue, &maps, form);
-        Self { sampler, ground, ground_bytes, form, highest_km: 0.0, shadow, shadow_view, maps, eclipse: None }
+        Self { sampler, ground, ground_bytes, form, span_km: [0.0; 2], shadow, shadow_view, maps, eclipse: None }
     }
 
     pub(crate) fn bound(&self) -> [(u32, Bound<'_>); 3] {
@@ -172,7 +172,9 @@ impl MoonTextures {
         let new = !Arc::ptr_eq(&self.maps, &moon.maps);
         let form = match (&moon.maps.normals, &moon.maps.relief) {
             (Some(_), _) => GroundForm::Normals,
-            (None, Some(_)) if near && moon.relief > 0.0 || !new && self.form == GroundForm::Heights => GroundForm::Heights,
+            (None, Some(_)) if near && moon.relief > 0.0 || !new && self.form == GroundForm::Heights => {
+                GroundForm::Heights
+            }
             _ => GroundForm::Albedo,
         };
         let stale = new || form != self.form;
@@ -181,7 +183,7 @@ impl MoonTextures {
             self.form = form;
             (self.ground, self.ground_bytes) = ground(device, queue, &self.maps, form);
             let relief = self.maps.relief.as_ref().filter(|_| form == GroundForm::Heights);
-            self.highest_km = relief.map_or(0.0, |relief| relief.heights().highest_km());
+            self.span_km = relief.map_or([0.0; 2], |relief| relief.heights().span_km());
         }
         if let Some(eclipse) = &moon.eclipse
             && self.eclipse.as_ref().is_none_or(|held| !Arc::ptr_eq(held, &eclipse.map))
@@ -199,9 +201,9 @@ impl MoonTextures {
         self.form
     }
 
-    /// Height of the highest ground, where there are heights.
-    pub(crate) fn highest_km(&self) -> f64 {
-        self.highest_km
+    /// Lowest and highest ground, where there are heights.
+    pub(crate) fn span_km(&self) -> [f64; 2] {
+        self.span_km
     }
 
     /// Memory in bytes.

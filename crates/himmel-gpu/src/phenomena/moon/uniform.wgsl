@@ -32,7 +32,8 @@ struct MoonUniform {
     lift_reach: f32,
     // Height of the highest ground, radii.
     highest: f32,
-    padding: f32,
+    // Tangent of the elevation of a Sun that lights not even that.
+    darkest_tan: f32,
     // Radiance of ground with relative albedo 1 for µ₀/(µ₀ + µ) = 1: in sunlight, in the Earth's light.
     sunlit: vec4f,
     earthlit: vec4f,
