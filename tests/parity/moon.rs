@@ -282,9 +282,9 @@ fn craters_stand_where_the_gazetteer_has_them() {
     let to_sun = DVec2::new(-almanac.bright_limb_rad.sin(), almanac.bright_limb_rad.cos());
     for (name, latitude_deg, longitude_deg, diameter_km) in [
         ("Theophilus", -11.4524, 26.2847, 98.5919),
-        ("Maurolycus", -41.8, 14.0, 114.0),
-        ("Aristoteles", 50.2, 17.4, 87.0),
-        ("Piccolomini", -29.7, 32.2, 87.0),
+        ("Maurolycus", -41.7719, 13.9201, 115.35),
+        ("Aristoteles", 50.243, 17.32, 87.5669),
+        ("Piccolomini", -29.6998, 32.1986, 87.5814),
     ] {
         let middle = place_on_disc(&almanac, longitude_deg, latitude_deg);
         // Half way up the wall: floor and rim of Pike's law for 90 to 110 km, 0.59 and 1 radii.

@@ -13,8 +13,8 @@ use image::{ExtendedColorType, ImageEncoder, Rgb, RgbImage};
 use sheets::{BANDS, SHEETS, Sheet};
 
 pub const USAGE: &str = "cargo xtask pictures [NAME…] [--output FOLDER] [--kept FOLDER] [--noise PERCENT]
-    names: strip, orbit-traced, mars-noon, mars-sunset, titan, titan-reference, haze, eclipse, moon, moon-2010,
-           moon-2022, moon-2023, body-giant, body-setting, body-moonlet; all of them without a name
+    names: strip, orbit-traced, mars-noon, mars-sunset, titan, titan-reference, haze, eclipse, moon, moon-relief,
+           moon-2010, moon-2022, moon-2023, body-giant, body-setting, body-moonlet; all of them without a name
     --output  where the JPEGs go (docs/images)
     --kept    where the tracer's samples are kept (target/pictures): a run that was stopped goes on where it was
     --noise   trace until half of the pixels have this standard error (6), or 1,024 paths";

@@ -234,6 +234,20 @@ pub const SHEETS: [Sheet; 15] = [
             ("2024-04-10T18:50Z", &[("clock.time", "2024-04-10T18:50Z")]),
         ],
     },
+    // First quarter: the disc, and Ptolemaeus with its neighbours at the terminator.
+    Sheet {
+        name: "moon-relief",
+        preset: "earth",
+        size: [480, 480],
+        traced: None,
+        common: &[
+            ("observer.place", "Paranal"),
+            ("clock.time", "2024-04-15T23:30Z"),
+            ("camera.look", "moon"),
+            ("output.exposure", "9"),
+        ],
+        tiles: &[("whole", &[("camera.fov_deg", "0.6")]), ("terminator", &[("camera.fov_deg", "0.1")])],
+    },
     // Total from 07:41 to 08:53.
     Sheet {
         name: "moon-2010",

@@ -17,8 +17,8 @@ override moon_relief: u32 = 0u;
 override moon_eclipsed: bool = true;
 
 // As in heights.rs: steps of the way to the horizon grow by a factor and see the mean of ground as wide as a share of the way.
-const STEP: f32 = 1.25;
-const WIDTH_OF_STEP: f32 = 0.15;
+const STEP: f32 = 1.2;
+const WIDTH_OF_STEP: f32 = 0.1;
 // Under a higher Sun (its tangent) the craters' walls cast no shadow.
 const STEEPEST: f32 = 0.6;
 const RADIUS_KM: f32 = 1737.4;
