@@ -31,7 +31,7 @@ pub const BANDS: &str = "{bands}";
 /// One tile, without settings of its own.
 const ONE: &[(&str, Settings)] = &[("", &[])];
 
-pub const SHEETS: [Sheet; 15] = [
+pub const SHEETS: [Sheet; 16] = [
     // A giant with bands under one bar of hydrogen, half lit, in the day of a moon with thin air.
     Sheet {
         name: "body-giant",
