@@ -23,7 +23,9 @@ use crate::phenomena::night_glow::grid::{self, NightGrid};
 use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
 use crate::phenomena::overlay::{Lines, Overlay};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
-use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
+use crate::phenomena::stars::{
+    Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField, bins_of_view, first_of_view, read_layout,
+};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::sky_pipelines::{Kind, MoonKind, Pipelines, Variant};
 use crate::target::Target;
@@ -326,7 +328,7 @@ impl SkyRenderer {
         let no_grid = grid::no_grid(device, &grid_layout);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
-            bind_group_layouts: &[Some(&air.layout), Some(&view_layout), Some(&grid_layout)],
+            bind_group_layouts: &[Some(&air.layout), Some(&view_layout), Some(&grid_layout), Some(&read_layout(device))],
             immediate_size: 0,
         });
         let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
@@ -610,6 +612,10 @@ impl SkyRenderer {
                 uniform.night_layer = grids;
                 grids += 1;
             }
+            if let Some(index) = uniforms.len().checked_sub(1) {
+                uniform.point_bins = bins_of_view(view);
+                uniform.point_bins_first = first_of_view(index);
+            }
             let known = stations.iter().position(near);
             uniform.station = known.unwrap_or(stations.len()) as u32;
             if known.is_none() {
@@ -714,6 +720,7 @@ impl SkyRenderer {
             None => self.record_metering(encoder, stamps.as_deref_mut()),
             Some(factor) => self.meter.set(encoder, factor),
         }
+        self.points.clear(encoder);
         if self.points.any() {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("points"),
@@ -808,7 +815,8 @@ impl SkyRenderer {
         let Self { device, queue, pipelines, bodies, uploads, air, view_layout, .. } = self;
         let bodies = bodies.get_or_insert_with(|| Bodies::new(device, queue));
         if !pipelines.has_far() {
-            pipelines.make_far([&air.layout, view_layout, &bodies.layout], air.all_constants())?;
+            let points = read_layout(device);
+            pipelines.make_far([&air.layout, view_layout, &bodies.layout, &points], air.all_constants())?;
         }
         bodies.prepare(device, queue, &frame.far_bodies, uniforms, &mut |buffer, offset, bytes| {
             uploads.write(encoder, buffer, offset, bytes);
@@ -979,6 +987,7 @@ impl SkyRenderer {
             eclipsed: self.eclipsed,
             night: self.by_night,
             grid: self.gridded.get(view_index + 1).copied().unwrap_or(false),
+            points: self.points.reads(view_index),
             occluded: self.occluded,
             moon: self.with_moon.map(|moon| moon.kind(pixel_rad)),
         }
@@ -988,6 +997,7 @@ impl SkyRenderer {
         pass.set_pipeline(&self.pipelines.get(variant, kind));
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
+        pass.set_bind_group(3, self.points.read_group(), &[]);
         if !variant.bodies() {
             let grid = self.night_grid.as_ref().and_then(NightGrid::group).unwrap_or(&self.no_grid);
             pass.set_bind_group(2, grid, &[]);

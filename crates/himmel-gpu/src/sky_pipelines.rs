@@ -124,6 +124,8 @@ pub(crate) struct Kind {
     pub night: bool,
     /// Whether pipelines without horizon read its glow from the grid.
     pub grid: bool,
+    /// Whether pixels read points from bins.
+    pub points: bool,
 }
 
 impl Pipelines {
@@ -166,6 +168,7 @@ impl Pipelines {
                     eclipsed: false,
                     night: false,
                     grid: false,
+                    points: false,
                     occluded: false,
                     moon: None,
                 },
@@ -175,7 +178,7 @@ impl Pipelines {
 
     pub(crate) fn make_far(
         &mut self,
-        groups: [&wgpu::BindGroupLayout; 3],
+        groups: [&wgpu::BindGroupLayout; 4],
         constants: [(&'static str, f64); 2],
     ) -> Result<(), GpuError> {
         let module = module(&self.device, "phenomena/bodies/bodies.wgsl")?;
@@ -201,7 +204,12 @@ impl Pipelines {
     pub(crate) fn get(&self, variant: Variant, kind: Kind) -> wgpu::RenderPipeline {
         let has = variant.has();
         let kind =
-            Kind { moon: kind.moon.filter(|_| has.moon), grid: kind.grid && variant.tiled() && !has.horizon, ..kind };
+            Kind {
+                moon: kind.moon.filter(|_| has.moon),
+                grid: kind.grid && variant.tiled() && !has.horizon,
+                points: kind.points && !variant.metering(),
+                ..kind
+            };
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let pipeline = made.entry((variant, kind)).or_insert_with(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
@@ -249,6 +257,7 @@ fn sky_pipeline(
         ("eclipses", on(kind.eclipsed)),
         ("night", on(kind.night)),
         ("night_grid", on(kind.grid)),
+        ("with_points", on(kind.points)),
         ("occluded", on(kind.occluded)),
         ("with_moon", on(kind.moon.is_some())),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),

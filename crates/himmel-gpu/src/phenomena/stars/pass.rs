@@ -8,6 +8,7 @@ use himmel_air::Starlight;
 use himmel_air::refraction::Bending;
 use himmel_core::constants::ILLUMINANCE_OF_V_0_LX;
 
+use super::bins::{Bins, first_of_view};
 use super::cells::{CELLS, Sight};
 use super::model::{
     GLARE_FARTHEST_RAD, GLARE_FLOOR, GLARE_SOFT_RAD, Hider, PointBody, StarField, StarList, glare_coefficients,
@@ -109,6 +110,20 @@ gpu_struct! {
         pub count: u32,
         /// Where its prepared points begin.
         pub first: u32,
+        /// Points of the view.
+        pub view_count: u32,
+        /// Where they begin.
+        pub view_first: u32,
+        /// Bins along the sides of the picture.
+        pub bins: [u32; 2],
+        /// Where the view's begin.
+        pub bins_first: u32,
+        /// Where wide points begin.
+        pub wide_first: u32,
+        /// Fills up.
+        pub padding_0: u32,
+        /// Fills up.
+        pub padding_1: u32,
         /// Bits of points that are drawn as discs.
         pub discs: [u32; 4],
         /// Runs of the list, two in each: where they begin among the points that are moved, and in the list.
@@ -125,14 +140,12 @@ gpu_struct! {
         pub half_size: [f32; 2],
         /// Illuminance, share of the core.
         pub light: [f32; 4],
-        /// The sky behind.
-        pub sky: [f32; 3],
-        /// Widening across.
-        pub widen_x: f32,
-        /// The sky behind, finished.
-        pub finished_sky: [f32; 3],
-        /// Widening upward.
-        pub widen_y: f32,
+        /// Widening across and upward.
+        pub widen: [f32; 2],
+        /// Solid angle per area of ndc.
+        pub per_ndc: f32,
+        /// Whether it is drawn as a square.
+        pub wide: u32,
         /// Direction, radius of glare.
         pub seen: [f32; 4],
         /// Softening, own number, radius of the thesis' glare.
@@ -170,14 +183,32 @@ pub(crate) struct PointsScene<'a> {
     pub tonemap: Tonemap,
 }
 
-/// What is drawn of a view: pipelines, uniform slot of the list, points, whether twice.
+impl Kind {
+    /// Of the pass that moves points: it does not ask for the sky behind them.
+    fn moving(self) -> Self {
+        Self { marching: false, lights: 1, eclipsed: false, night: false, tonemap: Tonemap::Linear, ..self }
+    }
+
+    /// Of what draws wide points.
+    fn drawing(self) -> Self {
+        Self { twinkling: false, ..self }
+    }
+}
+
+/// What a view has of points: number of stars and of bodies, and their bins.
 #[derive(Clone, Copy, Debug)]
 struct Draw {
     kind: Kind,
-    bodies: bool,
-    slot: u32,
-    points: u32,
-    twice: bool,
+    points: [u32; 2],
+    bins: [u32; 2],
+}
+
+impl Draw {
+    /// Lists that have points.
+    fn lists(&self) -> impl Iterator<Item = usize> {
+        let points = self.points;
+        (0..2).filter(move |&list| points[list] > 0)
+    }
 }
 
 /// The discs of a view: pipeline, uniform slot of its points, first slot and number of discs.
@@ -193,12 +224,15 @@ struct DiscDraw {
 pub(crate) struct Points {
     device: wgpu::Device,
     target: Target,
-    module: wgpu::ShaderModule,
+    /// That move points, and that draw wide ones.
+    modules: [wgpu::ShaderModule; 2],
     pipeline_layout: wgpu::PipelineLayout,
     moving_pipeline_layout: wgpu::PipelineLayout,
     layouts: Layouts,
     constants: [(&'static str, f64); 2],
-    pipelines: HashMap<Kind, (wgpu::ComputePipeline, wgpu::RenderPipeline)>,
+    moving: HashMap<Kind, wgpu::ComputePipeline>,
+    drawing: HashMap<Kind, wgpu::RenderPipeline>,
+    bins: Bins,
     uniforms: wgpu::Buffer,
     stride: u64,
     capacity: usize,
@@ -210,7 +244,9 @@ pub(crate) struct Points {
     uploaded: Option<Arc<StarList>>,
     /// Refraction over true elevation, and what it was made from.
     lift: Option<(Arc<Bending>, BendingUniform)>,
-    draws: Vec<[Option<Draw>; 2]>,
+    draws: Vec<Option<Draw>>,
+    /// Views of the frame whose pixels read bins.
+    reading: usize,
     discs: Discs,
     /// Made when a disc is first drawn.
     disc_module: Option<wgpu::ShaderModule>,
@@ -260,8 +296,9 @@ impl Points {
         constants: [(&'static str, f64); 2],
     ) -> Result<Self, GpuError> {
         let uniform = Slot::Uniform(size_of::<PointsUniform>() as u64, true);
-        let moving = [(0, uniform), (1, Slot::Buffer(false)), (2, Slot::Buffer(true))];
-        let drawing = [(0, uniform), (3, Slot::Buffer(false))];
+        let moving = [(0, uniform), (1, Slot::Buffer(false)), (2, Slot::Buffer(true))].into_iter().chain(Bins::SLOTS);
+        let moving: Vec<_> = moving.collect();
+        let drawing = [(0, uniform), (3, Slot::Buffer(false)), Bins::WIDE_SLOT];
         let layouts = Layouts {
             moving: layout(device, "moving points", wgpu::ShaderStages::COMPUTE, &moving),
             drawing: layout(device, "points", wgpu::ShaderStages::VERTEX_FRAGMENT, &drawing),
@@ -295,19 +332,23 @@ impl Points {
         if !blends {
             tracing::warn!(
                 format = ?target.colour,
-                "stars stand aside: this device cannot blend the target's format; ask for FLOAT32_BLENDABLE or use Rgba16Float"
+                "stars with glare and discs of planets stand aside: this device cannot blend the target's format; ask for \
+                 FLOAT32_BLENDABLE or use Rgba16Float"
             );
         }
-        let groups = bind_groups(device, &layouts, &uniforms, [&stars, &bodies], &prepared);
+        let bins = Bins::new(device, [groups[0], groups[1], &layouts.moving], &constants)?;
+        let groups = bind_groups(device, &layouts, &uniforms, [&stars, &bodies], &prepared, &bins);
         Ok(Self {
             device: device.clone(),
             target: *target,
-            module: module(device, "phenomena/stars/points.wgsl")?,
+            modules: [module(device, "phenomena/stars/move.wgsl")?, module(device, "phenomena/stars/wide.wgsl")?],
             pipeline_layout,
             moving_pipeline_layout,
             layouts,
             constants,
-            pipelines: HashMap::new(),
+            moving: HashMap::new(),
+            drawing: HashMap::new(),
+            bins,
             uniforms,
             stride,
             capacity,
@@ -318,6 +359,7 @@ impl Points {
             uploaded: None,
             lift: None,
             draws: Vec::new(),
+            reading: 0,
             discs,
             disc_module: None,
             disc_pipeline_layout,
@@ -331,7 +373,8 @@ impl Points {
     pub(crate) fn set_air(&mut self, constants: [(&'static str, f64); 2]) {
         if constants != self.constants {
             self.constants = constants;
-            self.pipelines.clear();
+            self.moving.clear();
+            self.drawing.clear();
             self.disc_pipelines.clear();
         }
         self.uploaded = None;
@@ -344,7 +387,7 @@ impl Points {
 
     /// Memory in bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        self.stars.size() + self.bodies.size() + self.prepared.size()
+        self.stars.size() + self.bodies.size() + self.prepared.size() + self.bins.bytes()
     }
 
     /// Uploads the list of stars if it is another one than before.
@@ -376,7 +419,7 @@ impl Points {
 
     fn bind(&mut self) {
         let lists = [&self.stars, &self.bodies];
-        self.groups = bind_groups(&self.device, &self.layouts, &self.uniforms, lists, &self.prepared);
+        self.groups = bind_groups(&self.device, &self.layouts, &self.uniforms, lists, &self.prepared, &self.bins);
     }
 
     /// Prepares a frame. `marching`: of each view, whether its pixels march. `write` records an upload.
@@ -391,18 +434,21 @@ impl Points {
     ) -> Result<(), GpuError> {
         self.draws.clear();
         self.disc_draws.clear();
-        if !self.blends {
-            return Ok(());
-        }
+        self.reading = 0;
         let stars = scene.stars.filter(|field| field.params.enabled);
         if let Some(field) = stars {
             self.upload(queue, &field.list, starlight);
         }
         let body_count = scene.bodies.len().min(MOST_BODIES);
-        if views.len() > MOST_VIEWS && (stars.is_some() || body_count > 0) {
-            tracing::warn!(views = views.len(), most = MOST_VIEWS, "only the first views of a frame have stars");
+        // Room for all that any view may show: a frame allocates nothing.
+        let listed = stars.map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
+        let each = listed + body_count;
+        let most = MOST_VIEWS.min(Bins::most_points(&self.device) / each.max(1));
+        if views.len() > most && each > 0 {
+            tracing::warn!(views = views.len(), most, "only the first views of a frame have stars");
         }
-        let views = &views[..views.len().min(MOST_VIEWS)];
+        let views = &views[..views.len().min(most)];
+        self.reading = if stars.is_some() || body_count > 0 { views.len() } else { 0 };
         let lift = match &self.lift {
             Some((of, lift)) if Arc::ptr_eq(of, scene.bending) => *lift,
             _ => {
@@ -427,16 +473,18 @@ impl Points {
         }
         let counts: Vec<[usize; 2]> =
             runs.iter().map(|both| both.each_ref().map(|runs| runs.iter().map(|run| run.1).sum())).collect();
-        // Room for all that any view may show: a frame allocates nothing.
-        let listed = stars.map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
-        let bytes = views.len() * (listed + body_count) * size_of::<SeenPoint>();
+        let bytes = views.len() * each * size_of::<SeenPoint>();
+        let mut stale = self.bins.reserve(self.reading, views.len() * each);
         if self.prepared.size() < bytes as u64 {
             self.prepared = list(&self.device, "seen points", bytes);
-            self.bind();
+            stale = true;
         }
         if 2 * views.len() > self.capacity {
             self.capacity = (2 * views.len()).next_power_of_two();
             self.uniforms = uniforms(&self.device, self.stride * self.capacity as u64);
+            stale = true;
+        }
+        if stale {
             self.bind();
         }
         if body_count > 0 {
@@ -458,8 +506,9 @@ impl Points {
         let mut first = 0;
         for (index, view) in views.iter().enumerate() {
             let linear = matches!(view.projection, Projection::Matrix(_));
-            let mut draws = [None; 2];
+            let mut draw: Option<Draw> = None;
             let mut disc_draw = None;
+            let view_first = first;
             for (bodies, count) in counts[index].into_iter().enumerate() {
                 if count == 0 {
                     continue;
@@ -481,6 +530,9 @@ impl Points {
                 uniform.count = count as u32;
                 uniform.first = first as u32;
                 first += count;
+                uniform.view_count = counts[index].iter().sum::<usize>() as u32;
+                uniform.view_first = view_first as u32;
+                self.bins.tell(&mut uniform, view, index);
                 uniform.runs = list_runs(&runs[index][bodies]);
                 if let Some(field) = field {
                     uniform.years = field.years_since_j2000 as f32;
@@ -505,7 +557,7 @@ impl Points {
                     twinkling: uniform.scintillation > 0.0,
                 };
                 self.make(kind);
-                if bodies == 1 && !shown[index].is_empty() {
+                if bodies == 1 && !shown[index].is_empty() && self.blends {
                     let kind = Kind { glare: false, rays: false, thesis: false, twinkling: false, ..kind };
                     if !self.disc_pipelines.contains_key(&kind) {
                         let pipeline = self.disc_pipeline(kind)?;
@@ -518,24 +570,25 @@ impl Points {
                         disc_slot += 1;
                     }
                 }
-                draws[bodies] = Some(Draw {
-                    kind,
-                    bodies: bodies == 1,
-                    slot: slot as u32,
-                    points: count as u32,
-                    twice: view.projection == Projection::Equirectangular,
-                });
+                draw.get_or_insert(Draw { kind, points: [0; 2], bins: uniform.bins }).points[bodies] = count as u32;
             }
-            self.draws.push(draws);
+            self.draws.push(draw);
             self.disc_draws.push(disc_draw);
         }
         Ok(())
     }
 
     fn make(&mut self, kind: Kind) {
-        if !self.pipelines.contains_key(&kind) {
-            let pipelines = self.pipelines_of(kind);
-            self.pipelines.insert(kind, pipelines);
+        let moving = kind.moving();
+        if !self.moving.contains_key(&moving) {
+            let pipeline = self.moving_pipeline(moving);
+            self.moving.insert(moving, pipeline);
+        }
+        let drawing = kind.drawing();
+        if self.blends && !self.drawing.contains_key(&drawing) {
+            let entries = ["point_vertex", "point_fragment"];
+            let pipeline = self.adding("points", &self.modules[1], &self.pipeline_layout, entries, drawing);
+            self.drawing.insert(drawing, pipeline);
         }
     }
 
@@ -564,17 +617,16 @@ impl Points {
         ]
     }
 
-    fn pipelines_of(&self, kind: Kind) -> (wgpu::ComputePipeline, wgpu::RenderPipeline) {
+    fn moving_pipeline(&self, kind: Kind) -> wgpu::ComputePipeline {
         let constants = self.overrides(kind);
-        let moving = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
             label: Some("move_points"),
             layout: Some(&self.moving_pipeline_layout),
-            module: &self.module,
+            module: &self.modules[0],
             entry_point: Some("move_points"),
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
-        });
-        (moving, self.adding("points", &self.module, &self.pipeline_layout, ["point_vertex", "point_fragment"], kind))
+        })
     }
 
     fn disc_pipeline(&mut self, kind: Kind) -> Result<wgpu::RenderPipeline, GpuError> {
@@ -599,35 +651,58 @@ impl Points {
 
     /// Whether the prepared frame has any.
     pub(crate) fn any(&self) -> bool {
-        self.draws.iter().flatten().any(Option::is_some)
+        self.draws.iter().any(Option::is_some)
     }
 
-    /// Records what moves the points of all views. `set_view`: binds groups 0 and 1 of a view.
+    /// Whether the pixels of a view read points.
+    pub(crate) fn reads(&self, view_index: usize) -> bool {
+        view_index < self.reading
+    }
+
+    /// What they read them by.
+    pub(crate) fn read_group(&self) -> &wgpu::BindGroup {
+        &self.bins.read_group
+    }
+
+    /// Records what comes before [`record`](Self::record).
+    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.bins.clear(encoder, self.reading);
+    }
+
+    /// Records what moves the points of all views and puts them into bins. `set_view`: binds groups 0 and 1 of a view.
     pub(crate) fn record(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         set_view: &dyn Fn(&mut wgpu::ComputePass<'_>, usize),
     ) {
-        for (index, draws) in self.draws.iter().enumerate() {
-            for draw in draws.iter().flatten() {
-                let Some((pipeline, _)) = self.pipelines.get(&draw.kind) else { continue };
-                pass.set_pipeline(pipeline);
-                set_view(pass, index);
-                let offset = (u64::from(draw.slot) * self.stride) as u32;
-                pass.set_bind_group(2, &self.groups.moving[usize::from(draw.bodies)], &[offset]);
-                pass.dispatch_workgroups(draw.points.div_ceil(64), 1, 1);
+        for (index, draw) in self.draws.iter().enumerate() {
+            let Some(draw) = draw else { continue };
+            let Some(pipeline) = self.moving.get(&draw.kind.moving()) else { continue };
+            pass.set_pipeline(pipeline);
+            set_view(pass, index);
+            for list in draw.lists() {
+                pass.set_bind_group(2, &self.groups.moving[list], &[self.offset(index, list)]);
+                pass.dispatch_workgroups(draw.points[list].div_ceil(64), 1, 1);
             }
+            self.bins.record(pass, draw.points[0] + draw.points[1], draw.bins);
         }
     }
 
-    /// Draws the points of a view; groups 0 and 1 are those of its sky.
+    /// Of a list's uniform.
+    fn offset(&self, view_index: usize, list: usize) -> u32 {
+        ((2 * view_index + list) as u64 * self.stride) as u32
+    }
+
+    /// Draws the wide points of a view, and discs of planets; groups 0 and 1 are those of its sky.
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
-        for draw in self.draws.get(view_index).into_iter().flatten().flatten() {
-            let Some((_, pipeline)) = self.pipelines.get(&draw.kind) else { continue };
+        if let Some(draw) = self.draws.get(view_index).copied().flatten()
+            && let Some(pipeline) = self.drawing.get(&draw.kind.drawing())
+            && let Some(list) = draw.lists().next()
+        {
             pass.set_pipeline(pipeline);
-            let offset = (u64::from(draw.slot) * self.stride) as u32;
-            pass.set_bind_group(2, &self.groups.drawing, &[offset]);
-            pass.draw(0..6 * draw.points, 0..1 + u32::from(draw.twice));
+            // Both lists share what this reads.
+            pass.set_bind_group(2, &self.groups.drawing, &[self.offset(view_index, list)]);
+            pass.draw_indirect(&self.bins.words, 4 * u64::from(first_of_view(view_index)));
         }
         let Some(draw) = self.disc_draws.get(view_index).copied().flatten() else { return };
         let Some(pipeline) = self.disc_pipelines.get(&draw.kind) else { return };
@@ -687,13 +762,16 @@ fn bind_groups(
     uniforms: &wgpu::Buffer,
     lists: [&wgpu::Buffer; 2],
     prepared: &wgpu::Buffer,
+    bins: &Bins,
 ) -> Groups {
     let uniform = Bound::Part(uniforms, size_of::<PointsUniform>() as u64);
-    let moving = |list| [(0, uniform), (1, Bound::Buffer(list)), (2, Bound::Buffer(prepared))];
-    Groups {
-        moving: lists.map(|list| bind(device, "moving points", &layouts.moving, &moving(list))),
-        drawing: bind(device, "points", &layouts.drawing, &[(0, uniform), (3, Bound::Buffer(prepared))]),
-    }
+    let drawing = [(0, uniform), (3, Bound::Buffer(prepared)), (Bins::WIDE_SLOT.0, Bound::Buffer(&bins.listed))];
+    let moving = |list| {
+        let own = [(0, uniform), (1, Bound::Buffer(list)), (2, Bound::Buffer(prepared))];
+        let bound: Vec<_> = own.into_iter().chain(bins.bound()).collect();
+        bind(device, "moving points", &layouts.moving, &bound)
+    };
+    Groups { moving: lists.map(moving), drawing: bind(device, "points", &layouts.drawing, &drawing) }
 }
 
 /// What a view may show of points.
@@ -748,7 +826,7 @@ fn list_runs(runs: &[(usize, usize)]) -> [[[u32; 4]; 24]; 2] {
 }
 
 /// Rows of a picture, or a guess that is not too many.
-fn rows_of(view: &View) -> f64 {
+pub(super) fn rows_of(view: &View) -> f64 {
     if view.rows_px == 0 { FEWEST_ROWS } else { f64::from(view.rows_px) }
 }
 
