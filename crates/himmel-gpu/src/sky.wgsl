@@ -307,7 +307,7 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
         luminance += night_from_grid(in.night_uv, moon_cover);
     }
     if with_points {
-        luminance += binned_light(in.ndc, pixel);
+        luminance += binned_light(in.ndc, pixel, dx, dy, in.exposure);
     }
     return pixel_colour(in, luminance, share);
 }

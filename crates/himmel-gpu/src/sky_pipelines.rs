@@ -126,6 +126,8 @@ pub(crate) struct Kind {
     pub grid: bool,
     /// Whether pixels read points from bins.
     pub points: bool,
+    /// Whether points have glare.
+    pub glare: bool,
 }
 
 impl Pipelines {
@@ -169,6 +171,7 @@ impl Pipelines {
                     night: false,
                     grid: false,
                     points: false,
+                    glare: false,
                     occluded: false,
                     moon: None,
                 },
@@ -178,7 +181,7 @@ impl Pipelines {
 
     pub(crate) fn make_far(
         &mut self,
-        groups: [&wgpu::BindGroupLayout; 4],
+        groups: [&wgpu::BindGroupLayout; 3],
         constants: [(&'static str, f64); 2],
     ) -> Result<(), GpuError> {
         let module = module(&self.device, "phenomena/bodies/bodies.wgsl")?;
@@ -203,13 +206,13 @@ impl Pipelines {
 
     pub(crate) fn get(&self, variant: Variant, kind: Kind) -> wgpu::RenderPipeline {
         let has = variant.has();
-        let kind =
-            Kind {
-                moon: kind.moon.filter(|_| has.moon),
-                grid: kind.grid && variant.tiled() && !has.horizon,
-                points: kind.points && !variant.metering(),
-                ..kind
-            };
+        let kind = Kind {
+            moon: kind.moon.filter(|_| has.moon),
+            grid: kind.grid && variant.tiled() && !has.horizon,
+            points: kind.points && !variant.metering() && !variant.bodies(),
+            glare: kind.glare && !variant.metering() && !variant.bodies(),
+            ..kind
+        };
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let pipeline = made.entry((variant, kind)).or_insert_with(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
@@ -258,6 +261,7 @@ fn sky_pipeline(
         ("night", on(kind.night)),
         ("night_grid", on(kind.grid)),
         ("with_points", on(kind.points)),
+        ("with_glare", on(kind.glare)),
         ("occluded", on(kind.occluded)),
         ("with_moon", on(kind.moon.is_some())),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),

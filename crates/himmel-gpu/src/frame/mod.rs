@@ -114,6 +114,8 @@ gpu_struct! {
         pub point_bins_first: u32,
         /// Fills up.
         pub padding: u32,
+        /// Glare of points.
+        pub glare: [f32; 4],
         /// The Moon.
         pub moon: MoonUniform,
         /// Rows of ICRS from view space; w: level of the star map, its side in texels.

@@ -84,16 +84,11 @@ fn bodies_fragment(in: SkyVertex) -> @location(0) vec4f {
     if !follow_bodies(look, dx, dy) {
         discard;
     }
-    let pixel = vec2f(abs(dpdx(in.ndc.x)), abs(dpdy(in.ndc.y)));
-    let share = inside(in.ndc, pixel.y);
+    let share = inside(in.ndc, abs(dpdy(in.ndc.y)));
     if share <= select(0.0, 0.5, metering) {
         return vec4f(0.0);
     }
-    var luminance = sky_luminance(in.from_table, look, dx, dy);
-    if with_points {
-        luminance += dot(near_through * far_through, vec4f(0.25)) * binned_light(in.ndc, pixel);
-    }
-    return pixel_colour(in, luminance, share);
+    return pixel_colour(in, sky_luminance(in.from_table, look, dx, dy), share);
 }
 
 // Fills what sky.wgsl asks of a pixel's other bodies; false where there is none.

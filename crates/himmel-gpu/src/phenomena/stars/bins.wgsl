@@ -5,12 +5,14 @@
 //#include "phenomena/stars/points.wgsl"
 
 @group(2) @binding(2) var<storage, read_write> prepared_points: array<SeenPoint>;
-// Of each view: what draws its wide points (an indirect draw), then where the list of each bin begins and the last one ends.
+// Of each view: what draws its wide points, then where the list of each bin begins and the last one ends. Then, of
+// all views, the lists (four times as many as points), and the wide points: numbers of prepared points.
 @group(2) @binding(8) var<storage, read_write> point_bins: array<atomic<u32>>;
-// Four times as many as points; then the wide ones.
-@group(2) @binding(9) var<storage, read_write> listed_points: array<u32>;
-// In the order of the lists: centre, 1 / widening; light by solid angle.
-@group(2) @binding(10) var<storage, read_write> binned_points: array<vec4f>;
+// What pixels read, see binned.wgsl.
+@group(2) @binding(10) var binned_out: texture_storage_2d<rgba32uint, write>;
+
+// Before a view's bins: an indirect draw of its wide points, an indirect dispatch over them.
+const DRAW_WORDS: u32 = 8u;
 
 const SCAN: u32 = 256u;
 // A list that is longer stays in the order in which it was filled: sorting takes its length squared.
@@ -74,17 +76,17 @@ fn scan_bins(@builtin(local_invocation_index) i: u32) {
     let count = points.bins.x * points.bins.y;
     let first_bin = points.bins_first + DRAW_WORDS;
     let share = (count + SCAN - 1u) / SCAN;
-    let from = min(i * share, count);
-    let to = min(from + share, count);
+    let start = min(i * share, count);
+    let stop = min(start + share, count);
     var own = 0u;
-    for (var bin = from; bin < to; bin++) {
+    for (var bin = start; bin < stop; bin++) {
         own += atomicLoad(&point_bins[first_bin + bin]);
     }
     sums[i] = own;
     let before = sum_before(i);
     // Ends of the lists: `list_points` counts them down to their beginnings.
     var end = 4u * points.view_first + before.x;
-    for (var bin = from; bin < to; bin++) {
+    for (var bin = start; bin < stop; bin++) {
         end += atomicLoad(&point_bins[first_bin + bin]);
         atomicStore(&point_bins[first_bin + bin], end);
     }
@@ -100,7 +102,7 @@ fn scan_bins(@builtin(local_invocation_index) i: u32) {
     var place = points.wide_first + points.view_first + wide_before.x;
     for (var point = wide_from; point < wide_to; point++) {
         if is_wide(point) {
-            listed_points[place] = point;
+            atomicStore(&point_bins[place], point);
             place++;
         }
     }
@@ -111,6 +113,9 @@ fn scan_bins(@builtin(local_invocation_index) i: u32) {
         atomicStore(&point_bins[points.bins_first + 1u], select(1u, 2u, !linear && view.projection == 2u));
         atomicStore(&point_bins[points.bins_first + 2u], 0u);
         atomicStore(&point_bins[points.bins_first + 3u], 0u);
+        atomicStore(&point_bins[points.bins_first + 4u], (wide_before.y + 63u) / 64u);
+        atomicStore(&point_bins[points.bins_first + 5u], 1u);
+        atomicStore(&point_bins[points.bins_first + 6u], 1u);
     }
 }
 
@@ -127,8 +132,12 @@ fn list_points(@builtin(global_invocation_id) id: vec3u) {
     let reach = bins_of(prepared_points[index]);
     for (var i = 0u; i < reach.count.x * reach.count.y; i++) {
         let place = atomicSub(&point_bins[bin_slot(reach, i)], 1u) - 1u;
-        listed_points[place] = index;
+        atomicStore(&point_bins[points.lists_first + place], index);
     }
+}
+
+fn listed(i: u32) -> u32 {
+    return atomicLoad(&point_bins[points.lists_first + i]);
 }
 
 // Sums of floats hang on their order: the same picture twice is the same to the last bit.
@@ -142,18 +151,26 @@ fn sort_bins(@builtin(global_invocation_id) id: vec3u) {
     let end = atomicLoad(&point_bins[bin + 1u]);
     let sorted = select(end, first, end - first > MOST_SORTED);
     for (var i = first + 1u; i < sorted; i++) {
-        let moved = listed_points[i];
+        let moved = listed(i);
         var hole = i;
-        while hole > first && listed_points[max(hole, 1u) - 1u] > moved {
-            listed_points[hole] = listed_points[hole - 1u];
+        while hole > first && listed(max(hole, 1u) - 1u) > moved {
+            atomicStore(&point_bins[points.lists_first + hole], listed(hole - 1u));
             hole--;
         }
-        listed_points[hole] = moved;
+        atomicStore(&point_bins[points.lists_first + hole], moved);
     }
+    let texels = points.binned_first;
+    textureStore(binned_out, binned_texel(view.point_bins_first + id.x), vec4u(texels + first, texels + end, 0u, 0u));
+    let sides = vec2f(points.bins);
+    let corner = vec2f(vec2u(id.x % points.bins.x, id.x / points.bins.x));
     for (var i = first; i < end; i++) {
-        let point = prepared_points[listed_points[i]];
+        let point = prepared_points[listed(i)];
+        var place = (0.5 + 0.5 * point.centre) * sides - corner;
+        if !linear {
+            // Across the seam of an equirectangular picture.
+            place.x -= select(0.0, sides.x * round(place.x / sides.x), view.projection == 2u && abs(place.x - 0.5) > 2.0);
+        }
         let spread = point.light.a / (point.widen.x * point.widen.y * point.per_ndc);
-        binned_points[2u * i] = vec4f(point.centre, 1.0 / point.widen);
-        binned_points[2u * i + 1u] = vec4f(point.light.rgb * spread, 0.0);
+        textureStore(binned_out, binned_texel(texels + i), pack_point(place, 1.0 / point.widen, point.light.rgb * spread));
     }
 }

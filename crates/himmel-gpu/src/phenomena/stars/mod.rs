@@ -25,8 +25,8 @@ pub mod model;
 mod params;
 mod pass;
 
+pub(crate) use bins::{bins_of_view, bins_texel, read_layout};
 pub use model::{Hider, PointBody, StarField, StarList, StarPoint};
 pub use params::{Glare, PointSpread, StarsParams};
 pub use pass::{MOST_BODIES, MOST_HIDERS, PointLight, PointsUniform, SeenPoint};
-pub(crate) use bins::{bins_of_view, first_of_view, read_layout};
-pub(crate) use pass::{Points, PointsScene, adding_pipeline, view_of_points};
+pub(crate) use pass::{Points, PointsScene, adding_pipeline, glare_of, view_of_points};

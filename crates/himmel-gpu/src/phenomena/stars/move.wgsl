@@ -10,7 +10,7 @@ fn run_of(slot: u32) -> vec2u {
 }
 
 // The place in the list of a point that is moved.
-fn listed(index: u32) -> u32 {
+fn place_in_list_of(index: u32) -> u32 {
     var slot = 0u;
     for (var step = 64u; step > 0u; step /= 2u) {
         let next = min(slot + step, 95u);
@@ -26,7 +26,7 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
     if index >= points.count {
         return;
     }
-    let place_in_list = listed(index);
+    let place_in_list = place_in_list_of(index);
     let point = point_list[place_in_list];
     let moved = normalize(point.place + point.velocity * points.years - point.parallax * points.observer_au);
     let along = dot(moved, points.beta);
@@ -61,16 +61,11 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
     let blurred = vec2f(points.seeing * pow(min(air_mass(mu), 40.0), 0.6), point.width) / (1.44 * sqrt(pixel_sr));
     // 500: a comet that fills a picture.
     var widen = vec2f(min(sqrt(1.0 + dot(blurred, blurred)), 500.0));
-    var radial_px = sqrt(pixel_sr);
-    if linear {
-        let ray = view.ray_origin + view.ray_x * place.x + view.ray_y * place.y;
-        radial_px = points.pixel.y * length(view.ray_y) / dot(ray, ray);
-    } else if view.projection == 1u {
-        radial_px = points.pixel.y * view.half_angle;
-    } else {
-        // Round on the sphere, not in the picture; 64: what a pole may take.
-        widen.x *= min(1.0 / max(cos(place.y * 0.5 * PI), 1e-6), 64.0);
-        radial_px = points.pixel.y * 0.5 * PI;
+    let radial_px = radial_pixel(place.xy, points.pixel.y);
+    if !linear {
+        // Round on the sphere, not in an equirectangular picture; 64: what a pole may take.
+        let stretch = min(1.0 / max(cos(place.y * 0.5 * PI), 1e-6), 64.0);
+        widen.x *= select(1.0, stretch, view.projection == 2u);
     }
 
     // A hundredth of a pixel for rounding.
@@ -94,11 +89,11 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
 
     let half_ndc = half_size * points.pixel;
     // Half a bin: it stands in four of them at most.
-    let wide = as_thesis || glare.x > 0.0 || any(half_ndc * vec2f(points.bins) > vec2f(1.0));
+    let wide = as_thesis || points.all_wide == 1u || (with_glare && point.width > 0.0) || any(half_ndc * vec2f(points.bins) > vec2f(1.0));
     let seen_here = !hidden && place.z > 0.5 && bright > 0.0;
     let point_seen = SeenPoint(
         place.xy, select(vec2f(0.0), half_ndc, seen_here), vec4f(light, 1.0 - glare.z), widen, per_ndc, u32(wide),
-        vec4f(seen, glare.x), vec4f(glare.y, seed, thesis_glare_px, 0.0));
+        vec4f(seen, glare.x), vec4f(glare.y, seed, thesis_glare_px, 0.0), vec4f(0.0), vec4f(0.0));
     prepared_points[points.first + index] = point_seen;
     let reach = bins_of(point_seen);
     for (var i = 0u; i < reach.count.x * reach.count.y; i++) {

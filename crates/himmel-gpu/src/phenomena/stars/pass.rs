@@ -8,7 +8,7 @@ use himmel_air::Starlight;
 use himmel_air::refraction::Bending;
 use himmel_core::constants::ILLUMINANCE_OF_V_0_LX;
 
-use super::bins::{Bins, first_of_view};
+use super::bins::Bins;
 use super::cells::{CELLS, Sight};
 use super::model::{
     GLARE_FARTHEST_RAD, GLARE_FLOOR, GLARE_SOFT_RAD, Hider, PointBody, StarField, StarList, glare_coefficients,
@@ -84,8 +84,8 @@ gpu_struct! {
         pub glare_soft: f32,
         /// Glare.
         pub glare: [f32; 3],
-        /// Fills up.
-        pub padding: u32,
+        /// Whether all points are wide.
+        pub all_wide: u32,
         /// Refraction over true elevation.
         pub lift: BendingUniform,
         /// Discs.
@@ -118,12 +118,12 @@ gpu_struct! {
         pub bins: [u32; 2],
         /// Where the view's begin.
         pub bins_first: u32,
+        /// Where the lists of bins begin.
+        pub lists_first: u32,
         /// Where wide points begin.
         pub wide_first: u32,
-        /// Fills up.
-        pub padding_0: u32,
-        /// Fills up.
-        pub padding_1: u32,
+        /// Texel at which points in bins begin.
+        pub binned_first: u32,
         /// Bits of points that are drawn as discs.
         pub discs: [u32; 4],
         /// Runs of the list, two in each: where they begin among the points that are moved, and in the list.
@@ -150,6 +150,10 @@ gpu_struct! {
         pub seen: [f32; 4],
         /// Softening, own number, radius of the thesis' glare.
         pub own: [f32; 4],
+        /// The sky behind.
+        pub sky: [f32; 4],
+        /// The same finished.
+        pub finished_sky: [f32; 4],
     }
 }
 
@@ -174,6 +178,8 @@ pub(crate) struct PointsScene<'a> {
     pub bodies: &'a [PointBody],
     pub planets: &'a [PlanetDisc],
     pub hiders: &'a [Hider],
+    /// Whether all points are drawn over the sky, none in its pixels.
+    pub all_wide: bool,
     pub bending: &'a Arc<Bending>,
     pub altitude_m: f64,
     pub bottom_radius_m: f64,
@@ -204,6 +210,11 @@ struct Draw {
 }
 
 impl Draw {
+    /// One that has a uniform.
+    fn any_list(&self) -> usize {
+        usize::from(self.points[0] == 0 && self.points[1] > 0)
+    }
+
     /// Lists that have points.
     fn lists(&self) -> impl Iterator<Item = usize> {
         let points = self.points;
@@ -226,12 +237,13 @@ pub(crate) struct Points {
     target: Target,
     /// That move points, and that draw wide ones.
     modules: [wgpu::ShaderModule; 2],
-    pipeline_layout: wgpu::PipelineLayout,
-    moving_pipeline_layout: wgpu::PipelineLayout,
+    /// Of moving points, of looking behind them, of drawing them.
+    pipeline_layouts: [wgpu::PipelineLayout; 3],
     layouts: Layouts,
     constants: [(&'static str, f64); 2],
     moving: HashMap<Kind, wgpu::ComputePipeline>,
-    drawing: HashMap<Kind, wgpu::RenderPipeline>,
+    /// Looking behind wide points of finished pictures, and drawing them.
+    drawing: HashMap<Kind, (Option<wgpu::ComputePipeline>, wgpu::RenderPipeline)>,
     bins: Bins,
     uniforms: wgpu::Buffer,
     stride: u64,
@@ -247,6 +259,8 @@ pub(crate) struct Points {
     draws: Vec<Option<Draw>>,
     /// Views of the frame whose pixels read bins.
     reading: usize,
+    /// Views that have bins at all.
+    listing: usize,
     discs: Discs,
     /// Made when a disc is first drawn.
     disc_module: Option<wgpu::ShaderModule>,
@@ -257,15 +271,17 @@ pub(crate) struct Points {
     blends: bool,
 }
 
-/// Layouts of group 2: moving points, drawing them.
+/// Layouts of group 2: moving points, looking behind the wide ones, drawing those.
 struct Layouts {
     moving: wgpu::BindGroupLayout,
+    behind: wgpu::BindGroupLayout,
     drawing: wgpu::BindGroupLayout,
 }
 
-/// Groups 2: moving stars, moving bodies, drawing either.
+/// Groups 2: moving stars, moving bodies, looking behind either, drawing either.
 struct Groups {
     moving: [wgpu::BindGroup; 2],
+    behind: wgpu::BindGroup,
     drawing: wgpu::BindGroup,
 }
 
@@ -298,9 +314,11 @@ impl Points {
         let uniform = Slot::Uniform(size_of::<PointsUniform>() as u64, true);
         let moving = [(0, uniform), (1, Slot::Buffer(false)), (2, Slot::Buffer(true))].into_iter().chain(Bins::SLOTS);
         let moving: Vec<_> = moving.collect();
+        let behind = [(0, uniform), (2, Slot::Buffer(true)), Bins::WIDE_SLOT];
         let drawing = [(0, uniform), (3, Slot::Buffer(false)), Bins::WIDE_SLOT];
         let layouts = Layouts {
             moving: layout(device, "moving points", wgpu::ShaderStages::COMPUTE, &moving),
+            behind: layout(device, "behind points", wgpu::ShaderStages::COMPUTE, &behind),
             drawing: layout(device, "points", wgpu::ShaderStages::VERTEX_FRAGMENT, &drawing),
         };
         let pipeline_layout = |last| {
@@ -316,8 +334,7 @@ impl Points {
             bind_group_layouts: &[Some(groups[0]), Some(groups[1]), Some(&layouts.drawing), Some(&discs.layout)],
             immediate_size: 0,
         });
-        let (moving_pipeline_layout, pipeline_layout) =
-            (pipeline_layout(&layouts.moving), pipeline_layout(&layouts.drawing));
+        let pipeline_layouts = [&layouts.moving, &layouts.behind, &layouts.drawing].map(pipeline_layout);
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let stride = (size_of::<PointsUniform>() as u64).next_multiple_of(alignment);
         let capacity = 16;
@@ -342,8 +359,7 @@ impl Points {
             device: device.clone(),
             target: *target,
             modules: [module(device, "phenomena/stars/move.wgsl")?, module(device, "phenomena/stars/wide.wgsl")?],
-            pipeline_layout,
-            moving_pipeline_layout,
+            pipeline_layouts,
             layouts,
             constants,
             moving: HashMap::new(),
@@ -360,6 +376,7 @@ impl Points {
             lift: None,
             draws: Vec::new(),
             reading: 0,
+            listing: 0,
             discs,
             disc_module: None,
             disc_pipeline_layout,
@@ -434,7 +451,7 @@ impl Points {
     ) -> Result<(), GpuError> {
         self.draws.clear();
         self.disc_draws.clear();
-        self.reading = 0;
+        (self.reading, self.listing) = (0, 0);
         let stars = scene.stars.filter(|field| field.params.enabled);
         if let Some(field) = stars {
             self.upload(queue, &field.list, starlight);
@@ -443,12 +460,14 @@ impl Points {
         // Room for all that any view may show: a frame allocates nothing.
         let listed = stars.map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
         let each = listed + body_count;
-        let most = MOST_VIEWS.min(Bins::most_points(&self.device) / each.max(1));
+        let most = MOST_VIEWS.min(Bins::most_views(&self.device, each));
         if views.len() > most && each > 0 {
             tracing::warn!(views = views.len(), most, "only the first views of a frame have stars");
         }
         let views = &views[..views.len().min(most)];
-        self.reading = if stars.is_some() || body_count > 0 { views.len() } else { 0 };
+        let any = stars.is_some() || body_count > 0;
+        self.listing = if any { views.len() } else { 0 };
+        self.reading = if scene.all_wide { 0 } else { self.listing };
         let lift = match &self.lift {
             Some((of, lift)) if Arc::ptr_eq(of, scene.bending) => *lift,
             _ => {
@@ -474,7 +493,7 @@ impl Points {
         let counts: Vec<[usize; 2]> =
             runs.iter().map(|both| both.each_ref().map(|runs| runs.iter().map(|run| run.1).sum())).collect();
         let bytes = views.len() * each * size_of::<SeenPoint>();
-        let mut stale = self.bins.reserve(self.reading, views.len() * each);
+        let mut stale = self.bins.reserve(self.listing, views.len() * each);
         if self.prepared.size() < bytes as u64 {
             self.prepared = list(&self.device, "seen points", bytes);
             stale = true;
@@ -510,7 +529,8 @@ impl Points {
             let mut disc_draw = None;
             let view_first = first;
             for (bodies, count) in counts[index].into_iter().enumerate() {
-                if count == 0 {
+                // A view without points has bins that say so.
+                if count == 0 && (bodies == 1 || counts[index][1] > 0 || !any) {
                     continue;
                 }
                 let Some(mut uniform) = uniform_of(view, params, output, scene, starlight)? else { continue };
@@ -528,6 +548,7 @@ impl Points {
                     [view_from_list.x_axis, view_from_list.y_axis, view_from_list.z_axis]
                         .map(|v| v.as_vec3().to_array());
                 uniform.count = count as u32;
+                uniform.all_wide = u32::from(scene.all_wide);
                 uniform.first = first as u32;
                 first += count;
                 uniform.view_count = counts[index].iter().sum::<usize>() as u32;
@@ -581,14 +602,16 @@ impl Points {
     fn make(&mut self, kind: Kind) {
         let moving = kind.moving();
         if !self.moving.contains_key(&moving) {
-            let pipeline = self.moving_pipeline(moving);
+            let pipeline = self.computing(0, "move_points", moving);
             self.moving.insert(moving, pipeline);
         }
         let drawing = kind.drawing();
         if self.blends && !self.drawing.contains_key(&drawing) {
             let entries = ["point_vertex", "point_fragment"];
-            let pipeline = self.adding("points", &self.modules[1], &self.pipeline_layout, entries, drawing);
-            self.drawing.insert(drawing, pipeline);
+            let pipeline = self.adding("points", &self.modules[1], &self.pipeline_layouts[2], entries, drawing);
+            let finished = self.target.output == Output::Display;
+            let behind = finished.then(|| self.computing(1, "look_behind", drawing));
+            self.drawing.insert(drawing, (behind, pipeline));
         }
     }
 
@@ -617,13 +640,14 @@ impl Points {
         ]
     }
 
-    fn moving_pipeline(&self, kind: Kind) -> wgpu::ComputePipeline {
+    /// `part`: module and layout.
+    fn computing(&self, part: usize, entry: &str, kind: Kind) -> wgpu::ComputePipeline {
         let constants = self.overrides(kind);
         self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("move_points"),
-            layout: Some(&self.moving_pipeline_layout),
-            module: &self.modules[0],
-            entry_point: Some("move_points"),
+            label: Some(entry),
+            layout: Some(&self.pipeline_layouts[part]),
+            module: &self.modules[part],
+            entry_point: Some(entry),
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
         })
@@ -659,6 +683,11 @@ impl Points {
         view_index < self.reading
     }
 
+    /// Whether points of the frame have glare.
+    pub(crate) fn glares(&self) -> bool {
+        self.draws.iter().flatten().any(|draw| draw.kind.glare)
+    }
+
     /// What they read them by.
     pub(crate) fn read_group(&self) -> &wgpu::BindGroup {
         &self.bins.read_group
@@ -666,7 +695,7 @@ impl Points {
 
     /// Records what comes before [`record`](Self::record).
     pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
-        self.bins.clear(encoder, self.reading);
+        self.bins.clear(encoder, self.listing);
     }
 
     /// Records what moves the points of all views and puts them into bins. `set_view`: binds groups 0 and 1 of a view.
@@ -680,11 +709,17 @@ impl Points {
             let Some(pipeline) = self.moving.get(&draw.kind.moving()) else { continue };
             pass.set_pipeline(pipeline);
             set_view(pass, index);
+            pass.set_bind_group(2, &self.groups.moving[0], &[self.offset(index, draw.any_list())]);
             for list in draw.lists() {
                 pass.set_bind_group(2, &self.groups.moving[list], &[self.offset(index, list)]);
                 pass.dispatch_workgroups(draw.points[list].div_ceil(64), 1, 1);
             }
             self.bins.record(pass, draw.points[0] + draw.points[1], draw.bins);
+            if let Some((Some(pipeline), _)) = self.drawing.get(&draw.kind.drawing()) {
+                pass.set_pipeline(pipeline);
+                pass.set_bind_group(2, &self.groups.behind, &[self.offset(index, draw.any_list())]);
+                self.bins.dispatch_wide(pass, index);
+            }
         }
     }
 
@@ -696,13 +731,12 @@ impl Points {
     /// Draws the wide points of a view, and discs of planets; groups 0 and 1 are those of its sky.
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         if let Some(draw) = self.draws.get(view_index).copied().flatten()
-            && let Some(pipeline) = self.drawing.get(&draw.kind.drawing())
-            && let Some(list) = draw.lists().next()
+            && let Some((_, pipeline)) = self.drawing.get(&draw.kind.drawing())
         {
             pass.set_pipeline(pipeline);
             // Both lists share what this reads.
-            pass.set_bind_group(2, &self.groups.drawing, &[self.offset(view_index, list)]);
-            pass.draw_indirect(&self.bins.words, 4 * u64::from(first_of_view(view_index)));
+            pass.set_bind_group(2, &self.groups.drawing, &[self.offset(view_index, draw.any_list())]);
+            self.bins.draw_wide(pass, view_index);
         }
         let Some(draw) = self.disc_draws.get(view_index).copied().flatten() else { return };
         let Some(pipeline) = self.disc_pipelines.get(&draw.kind) else { return };
@@ -765,13 +799,15 @@ fn bind_groups(
     bins: &Bins,
 ) -> Groups {
     let uniform = Bound::Part(uniforms, size_of::<PointsUniform>() as u64);
-    let drawing = [(0, uniform), (3, Bound::Buffer(prepared)), (Bins::WIDE_SLOT.0, Bound::Buffer(&bins.listed))];
+    let drawing = [(0, uniform), (3, Bound::Buffer(prepared)), bins.wide()];
     let moving = |list| {
         let own = [(0, uniform), (1, Bound::Buffer(list)), (2, Bound::Buffer(prepared))];
         let bound: Vec<_> = own.into_iter().chain(bins.bound()).collect();
         bind(device, "moving points", &layouts.moving, &bound)
     };
-    Groups { moving: lists.map(moving), drawing: bind(device, "points", &layouts.drawing, &drawing) }
+    let behind = [(0, uniform), (2, Bound::Buffer(prepared)), bins.wide()];
+    let behind = bind(device, "behind points", &layouts.behind, &behind);
+    Groups { moving: lists.map(moving), behind, drawing: bind(device, "points", &layouts.drawing, &drawing) }
 }
 
 /// What a view may show of points.
@@ -850,13 +886,13 @@ fn uniform_of(
     let strength = params.scintillation_for(output)
         * scintillation_at_zenith(0.01 * params.aperture_cm, params.integration_s, scene.altitude_m);
     let refraction_rad = scene.bending.deviation(std::f64::consts::FRAC_PI_4).0;
-    let [cube, square] = glare_coefficients(params.glare_for(output));
+    let [cube, square, soft, least] = glare_of(scene.stars, output);
     Ok(Some(PointsUniform {
         seeing: (params.seeing_arcsec / 3600.0).to_radians() as f32,
         scintillation: if refraction_rad > 0.0 { strength as f32 } else { 0.0 },
-        glare_floor: GLARE_FLOOR as f32,
-        glare_soft: GLARE_SOFT_RAD as f32,
-        glare: [cube, square, GLARE_FARTHEST_RAD].map(|value| value as f32),
+        glare_floor: least,
+        glare_soft: soft,
+        glare: [cube, square, GLARE_FARTHEST_RAD as f32],
         hider,
         phases: [[phases[0], phases[1], phases[2], phases[3]], [phases[4], phases[5], phases[6], phases[7]]],
         shift: wavelength_shift(refraction_rad, scene.bending.ratio).map(|value| value as f32),
@@ -864,6 +900,14 @@ fn uniform_of(
         thesis_lx: (ILLUMINANCE_OF_V_0_LX * 10f64.powf(-0.4 * params.thesis_magnitude)) as f32,
         ..shared
     }))
+}
+
+/// Glare of a frame's points: inverse cube, inverse square; softening, rad; exposed value at which it ends.
+pub(crate) fn glare_of(stars: Option<&StarField>, output: Output) -> [f32; 4] {
+    let defaults = StarsParams::default();
+    let params = stars.map_or(&defaults, |field| &field.params);
+    let [cube, square] = glare_coefficients(params.glare_for(output));
+    [cube, square, GLARE_SOFT_RAD, GLARE_FLOOR].map(|value| value as f32)
 }
 
 /// What follows from a view alone; `None` for a projection that looks one way everywhere.

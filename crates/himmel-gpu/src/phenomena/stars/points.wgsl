@@ -3,8 +3,7 @@
 //#include "sky.wgsl"
 //#include "phenomena/stars/psf.wgsl"
 
-// Whether points have glare; whether it has the fine rays of an eye's lens; whether all is drawn as the thesis does.
-override with_glare: bool = false;
+// Whether glare has the fine rays of an eye's lens; whether all is drawn as the thesis does.
 override with_corona_rays: bool = false;
 override as_thesis: bool = false;
 // Whether any of them twinkle.
@@ -50,7 +49,8 @@ struct PointsUniform {
     glare_soft: f32,
     // Glare: inverse cube, inverse square; farthest, rad.
     glare: vec3f,
-    padding: u32,
+    // 1: all points are wide.
+    all_wide: u32,
     // Apparent minus true elevation, over true elevation.
     lift: BendingUniform,
     // Discs before the points: unit vector without refraction; chord of the radius, 0 where there is none.
@@ -76,10 +76,11 @@ struct PointsUniform {
     // Bins along the sides of the picture; where what the view keeps of them begins.
     bins: vec2u,
     bins_first: u32,
-    // Where the wide points of all views begin among `listed_points`.
+    // Where the lists of all views begin, and their wide points.
+    lists_first: u32,
     wide_first: u32,
-    padding_0: u32,
-    padding_1: u32,
+    // Texel at which points in bins begin, see binned.wgsl.
+    binned_first: u32,
     // Bits of points that this view draws as discs.
     discs: vec4u,
     // The runs of the list that this view may show, two in each: where they begin among the points that are moved, and in
@@ -104,6 +105,9 @@ struct SeenPoint {
     seen: vec4f,
     // Softening of the glare; a number of its own, 0..1; radius of the thesis' glare in pixels.
     own: vec4f,
+    // Of a wide point in a finished picture: the sky behind, exposed; the same finished.
+    sky: vec4f,
+    finished_sky: vec4f,
 }
 
 @group(2) @binding(0) var<uniform> points: PointsUniform;

@@ -1,8 +1,9 @@
 // Points that are too wide for bins: a square each, added to what is there: luminance, or what it changes in the finished colour.
 
-//#include "phenomena/stars/points.wgsl"
+//#include "phenomena/stars/bins.wgsl"
 
 @group(2) @binding(3) var<storage, read> seen_points: array<SeenPoint>;
+// The same as `point_bins`, not to be written.
 @group(2) @binding(11) var<storage, read> wide_points: array<u32>;
 
 struct PointVertex {
@@ -17,6 +18,18 @@ struct PointVertex {
     @location(4) @interpolate(flat) finished_sky: vec3f,
     @location(5) @interpolate(flat) seen: vec4f,
     @location(6) @interpolate(flat) own: vec4f,
+}
+
+// Looks what is behind wide points, for what is tone mapped together with it.
+@compute @workgroup_size(64)
+fn look_behind(@builtin(global_invocation_id) id: vec3u) {
+    if 6u * id.x >= wide_points[points.bins_first] {
+        return;
+    }
+    let index = wide_points[points.wide_first + points.view_first + id.x];
+    let sky = sky_behind(prepared_points[index].seen.xyz) * exposure_now();
+    prepared_points[index].sky = vec4f(sky, 0.0);
+    prepared_points[index].finished_sky = vec4f(finished_colour(sky), 0.0);
 }
 
 // instance: equirectangular pictures draw each point twice, since it may lie on their seam.
@@ -35,17 +48,10 @@ fn point_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) ins
     let right = corner == 1u || corner == 4u || corner == 5u;
     let offset = vec2f(select(-1.0, 1.0, right), select(-1.0, 1.0, corner == 2u || corner == 3u || corner == 5u)) * half_size;
     let ndc = (centre + offset - view.tile.xy) / view.tile.zw;
-    let exposure = exposure_now();
-    var sky = vec3f(0.0);
-    var finished_sky = vec3f(0.0);
-    if finished != 0u {
-        sky = sky_behind(seen.seen.xyz) * exposure;
-        finished_sky = finished_colour(sky);
-    }
     return PointVertex(
         // Outside: all corners are one point.
         vec4f(select(ndc, vec2f(2.0), beyond), far_depth, 1.0), offset, vec4f(centre, seen.widen),
-        vec4f(seen.light.rgb * exposure, seen.light.a), sky, finished_sky, seen.seen, seen.own);
+        vec4f(seen.light.rgb * exposure_now(), seen.light.a), seen.sky.rgb, seen.finished_sky.rgb, seen.seen, seen.own);
 }
 
 @fragment
