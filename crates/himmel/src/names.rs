@@ -16,9 +16,12 @@ static LETTERS: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
 
 /// What is on the horizon, clockwise from north.
 const CARDINAL: [&str; 8] = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"];
-/// Least magnitudes that stand for an order: nothing in the sky is as bright, nothing as faint.
+/// Before everything: nothing in the sky is as bright.
 const FIRST: f64 = -100.0;
-const LAST: f64 = 100.0;
+/// Constellations and degrees stand between the stars as if they had these magnitudes: a constellation after its brightest star and
+/// not after stars of 2.5; faint stars that nobody names at 60° must not make others wait.
+const CONSTELLATIONS_AT_LEAST: f64 = 2.5;
+const DEGREES: f64 = 2.9;
 
 /// Bodies of a frame that have names.
 #[derive(Debug, Default)]
@@ -183,18 +186,17 @@ fn icrs((right_ascension, declination): (f64, f64)) -> DVec3 {
     DVec3::new(cos_dec * cos_ra, cos_dec * sin_ra, sin_dec)
 }
 
-/// In capitals; those with brighter stars come first.
+/// In capitals.
 fn constellation(own: &constellations::Constellation) -> Option<Label> {
     let catalogue = Catalogue::embedded();
     let belongs = |star: &&Star| catalogue.name(star.hip).is_some_and(|name| name.constellation == own.id);
     // Brightest first.
-    let brightest = catalogue.stars().iter().find(belongs).map_or(LAST, |star| star.v_magnitude);
+    let brightest = catalogue.stars().iter().find(belongs).map_or(CONSTELLATIONS_AT_LEAST, |star| star.v_magnitude);
     (!own.name.is_empty()).then(|| Label {
         text: own.name.to_uppercase(),
         kind: LabelKind::Constellation,
         anchor: Anchor::fixed(icrs(own.label)),
-        // Before its stars.
-        magnitude: brightest - 1.0,
+        magnitude: (brightest + 1.0).min(CONSTELLATIONS_AT_LEAST),
     })
 }
 
@@ -204,7 +206,7 @@ fn equatorial_degrees() -> impl Iterator<Item = Label> {
         text,
         kind: LabelKind::Equatorial,
         anchor: Anchor::fixed(icrs((f64::from(15 * hour).to_radians(), f64::from(degrees).to_radians()))),
-        magnitude: LAST + order,
+        magnitude: DEGREES + 0.01 * order,
     };
     let hours =
         [0, 60, -60].into_iter().flat_map(move |at| (0..24).map(move |hour| label(format!("{hour}h"), hour, at, 0.0)));
@@ -221,7 +223,7 @@ fn horizontal_degrees(cardinal: bool) -> impl Iterator<Item = Label> {
         text,
         kind: LabelKind::Horizontal,
         anchor: Anchor::Seen(direction_enu(f64::from(azimuth), f64::from(altitude))),
-        magnitude: LAST + order,
+        magnitude: DEGREES + 0.01 * order,
     };
     let azimuths = (0..36)
         .map(|tens| 10 * tens)

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 
 use super::names_params::NamesParams;
 use super::typeface::{Atlas, Cell, Typeface};
@@ -20,7 +20,11 @@ const APART_EM: f64 = 0.6;
 const GAP_EM: f64 = 0.5;
 /// From the baseline to the middle of small letters, em.
 const MIDDLE_EM: f64 = 0.26;
-/// Names are shown later than never: what f32 holds.
+/// Half of a line's height with what is free above it, em.
+pub(super) const HALF_LINE_EM: f64 = 0.65;
+/// Share of the room of two names that a constellation's and a star's get: they touch where one lies straight beside the other.
+const CLOSE: f64 = 0.6;
+/// A scale that no picture has: what f32 holds.
 const NEVER: f64 = 1e30;
 
 /// What a name belongs to; colour and size follow.
@@ -228,18 +232,19 @@ impl LabelList {
 fn make_room(laid: &mut [Laid]) {
     let frame = |anchor: &Anchor| match *anchor {
         Anchor::Sky { place, .. } => Some((true, place.normalize())),
-        Anchor::Seen(place) => Some((false, place.normalize())),
-        // Those of the horizon and of bodies make way for nothing.
-        Anchor::Horizon(_) | Anchor::Body(_) => None,
+        Anchor::Seen(place) | Anchor::Horizon(place) => Some((false, place.normalize())),
+        // Bodies wander: see `beside`.
+        Anchor::Body(_) => None,
     };
     for sky in [true, false] {
-        // Place, reach, scale.
-        let mut before: Vec<(DVec3, [f64; 2], f64)> = Vec::new();
+        let mut before: Vec<(DVec3, [f64; 2], bool, f64)> = Vec::new();
         for own in laid.iter_mut() {
             let Some((_, place)) = frame(&own.label.anchor).filter(|(of_sky, _)| *of_sky == sky) else { continue };
+            let is_figure = own.label.kind == LabelKind::Constellation;
             let mut scale = 0f64;
-            for &(other, reach, from) in &before {
-                let needed = (own.reach[0] + reach[1]).max(own.reach[1] + reach[0]) + APART_EM;
+            for &(other, reach, figure, from) in &before {
+                let room = (own.reach[0] + reach[1]).max(own.reach[1] + reach[0]) + APART_EM;
+                let needed = if figure == is_figure { room } else { CLOSE * room };
                 let apart = (place - other).length();
                 let until = if apart * NEVER > needed { needed / apart } else { NEVER };
                 if from < until {
@@ -247,7 +252,7 @@ fn make_room(laid: &mut [Laid]) {
                 }
             }
             own.from_scale = scale;
-            before.push((place, own.reach, scale));
+            before.push((place, own.reach, is_figure, scale));
         }
     }
 }
@@ -259,6 +264,56 @@ pub struct NamedBody {
     pub direction: DVec3,
     /// Apparent radius, rad: the name stands beside the disc.
     pub radius_rad: f64,
+}
+
+/// On which side of its body a name stands in a view: the right one, else the left one, else it is left out.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Beside {
+    /// Ends of disc and name from the body, em.
+    pub ends: [f64; 2],
+    /// How far the name is moved from the right side, em.
+    pub shift: f64,
+    pub shown: bool,
+}
+
+/// Where right is in a picture, in view space.
+fn right_of(view: &View, direction: DVec3) -> DVec3 {
+    if view.projection == Projection::Equirectangular {
+        let up = DMat3::from_mat4(view.enu_from_view).transpose() * DVec3::Z;
+        return direction.cross(up).normalize_or(DVec3::X);
+    }
+    DVec3::X
+}
+
+/// Bodies one after the other, as far as there is room. `bodies`: direction in view space and radius; `reach`: of their names, em;
+/// `scale`: em of a radian.
+pub(super) fn beside(view: &View, bodies: &[(DVec3, f64)], reach: &[f64], scale: f64) -> Vec<Beside> {
+    let mut all: Vec<Beside> = Vec::new();
+    for (index, &(direction, radius_rad)) in bodies.iter().enumerate() {
+        let (disc, reach) = (radius_rad * scale, reach.get(index).copied().unwrap_or(0.0));
+        let right = right_of(view, direction);
+        let up = right.cross(direction);
+        let free = |[left, end]: [f64; 2]| {
+            bodies.iter().zip(&all).all(|(&(other, other_rad), placed)| {
+                let away = (other - direction) * scale;
+                let high = 2.0 * HALF_LINE_EM.max(0.5 * (HALF_LINE_EM + other_rad * scale));
+                !placed.shown
+                    || direction.dot(other) < 0.0
+                    || away.dot(up).abs() > high
+                    || away.dot(right) + placed.ends[0] > end
+                    || away.dot(right) + placed.ends[1] < left
+            })
+        };
+        let gap = GAP_EM * LabelKind::Body.size();
+        let sides = [(0.0, [disc, disc + reach]), (-reach - gap, [-disc - reach, -disc])];
+        let chosen = sides.into_iter().find(|(_, ends)| free(*ends));
+        all.push(chosen.map_or(Beside::default(), |(shift, [left, end])| Beside {
+            ends: [left.min(-disc), end.max(disc)],
+            shift,
+            shown: true,
+        }));
+    }
+    all
 }
 
 /// The names of a frame.
@@ -350,6 +405,19 @@ mod tests {
         let mut twins = [laid(5.0, 2.0, 0.0), laid(5.0, 2.0, 0.5)];
         make_room(&mut twins);
         assert_eq!((twins[0].from_scale, twins[1].from_scale), (0.0, NEVER));
+    }
+
+    /// Venus and Jupiter in March 2012, 3° apart: the fainter one's name goes to the left, a third one's nowhere.
+    #[test]
+    fn a_planet_beside_a_brighter_one_is_named_on_the_left() {
+        let view = View::looking(0.0, 0.0, 1.0, 1.5);
+        let at = |x: f64, y: f64| DVec3::new(x.to_radians(), y.to_radians(), -1.0).normalize();
+        let bodies = [(at(0.0, 0.0), 0.0), (at(-3.0, -0.5), 0.0), (at(-2.9, -0.4), 0.0), (at(20.0, 0.0), 0.05)];
+        let sides = beside(&view, &bodies, &[3.0; 4], 40.0);
+        assert!(sides[0].shown && sides[0].shift == 0.0);
+        assert!(sides[1].shown && sides[1].shift < 0.0 && sides[1].ends[0] == -3.0);
+        assert!(!sides[2].shown);
+        assert!(sides[3].shown && (sides[3].ends[1] - 5.0).abs() < 1e-12, "beside its disc of 2 em");
     }
 
     #[test]

@@ -9,11 +9,11 @@ const SPREAD_EM: f32 = 0.18;
 const TEXELS_PER_EM: f32 = 48.0;
 // The halo: how wide, how dark on the outline.
 const HALO_EM: f32 = 0.16;
-const HALO: f32 = 0.65;
+const HALO: f32 = 0.85;
 // Strokes of a light face are drawn wider on each side, em.
 const BOLDER_EM: f32 = 0.012;
-// What is free between two names, em; the same in names.rs.
-const APART_EM: f32 = 0.6;
+// Half of a line's height with what is free above it, em; the same in names.rs.
+const HALF_LINE_EM: f32 = 0.65;
 
 struct NameLabel {
     // Unit vector: ICRS at J2000.0, or east-north-up.
@@ -30,13 +30,12 @@ struct NameLabel {
     number: u32,
     // It is shown where a radian has so many em.
     from_scale: f32,
-    // Farthest from what it names, em.
-    reach: f32,
     // Its colour among the kinds'.
     kind: u32,
+    // Farthest left and right of what it names, em.
+    reach: vec2f,
     padding_0: u32,
     padding_1: u32,
-    padding_2: u32,
 }
 
 struct NameLetter {
@@ -63,8 +62,8 @@ struct NamesUniform {
     faintest: f32,
     // Bodies in view space without refraction, apparent radius; −1: none.
     bodies: array<vec4f, 16>,
-    // How far their names reach, em, four to a vector.
-    reaches: array<vec4f, 4>,
+    // Ends of their discs with their names, em; how far the name is moved from the right side; 1: there is room for it.
+    beside: array<vec4f, 16>,
     // By kind.
     colours: array<vec4f, 6>,
 }
@@ -92,7 +91,9 @@ fn name_vertex(@builtin(vertex_index) vertex: u32) -> NameVertex {
     let aberrated = normalize(moved * slow + points.beta * (1.0 + 0.5 * along));
     let star = aberrated.x * points.view_from_list_x + aberrated.y * points.view_from_list_y
         + aberrated.z * points.view_from_list_z;
-    let body = names.bodies[min(label.number, MOST_NAMED_BODIES - 1u)];
+    let number = min(label.number, MOST_NAMED_BODIES - 1u);
+    let body = names.bodies[number];
+    let beside = names.beside[number];
     let is_body = label.anchor == 3u;
     let airless = select(star, body.xyz, is_body);
     let seen = label.place.x * names.view_from_enu_x + label.place.y * names.view_from_enu_y
@@ -102,18 +103,28 @@ fn name_vertex(@builtin(vertex_index) vertex: u32) -> NameVertex {
     let local = select(seen, low, label.anchor == 2u);
     let is_local = label.anchor == 1u || label.anchor == 2u;
     let direction = select(lifted(airless), local, is_local);
-    let place = picture_place(direction);
+    var place = picture_place(direction);
+    // A fisheye may end where the horizon is: letters stand within its edge then.
+    let on_edge = label.anchor == 2u && !linear && view.projection == 1u;
+    let from_middle = length(place.xy * vec2f(view.aspect, 1.0));
+    let edge = (1.0 - 1.1 * names.em_px * points.pixel.y) / max(from_middle, 1e-6);
+    place = select(place, vec3f(place.xy * min(edge, 1.0), f32(from_middle < 1.1)), on_edge);
 
     var hidden = place.z < 0.5 || label.magnitude > names.faintest || label.from_scale > names.scale;
     hidden = hidden || (label.anchor != 2u && dot(direction, view.up) < view.horizon_mu);
-    hidden = hidden || (is_body && body.w < 0.0);
-    // Bodies wander: what is in their names' way gives way, they themselves one to another.
+    hidden = hidden || (is_body && (body.w < 0.0 || beside.w < 0.5));
+    // Bodies wander: what is in the way of their discs and names gives way.
     let among = select(airless, local, is_local);
+    let right_way = select(vec3f(1.0, 0.0, 0.0), normalize(cross(among, view.up) + vec3f(1e-12, 0.0, 0.0)), view.projection == 2u);
+    let up_way = cross(right_way, among);
     for (var i = 0u; i < MOST_NAMED_BODIES; i++) {
         let other = names.bodies[i];
-        let needed = max(label.reach, names.reaches[i / 4u][i % 4u]) + APART_EM + other.w * names.scale;
-        let near = length(among - other.xyz) * names.scale < needed;
-        hidden = hidden || (near && other.w >= 0.0 && i < label.number && label.anchor != 2u);
+        let ends = names.beside[i];
+        let away = (other.xyz - among) * names.scale;
+        let across = dot(away, right_way);
+        let high = HALF_LINE_EM + max(HALF_LINE_EM, other.w * names.scale);
+        let meets = across + ends.x < label.reach.y && across + ends.y > -label.reach.x && abs(dot(away, up_way)) < high;
+        hidden = hidden || (meets && dot(other.xyz, among) > 0.0 && other.w >= 0.0 && ends.w > 0.5 && !is_body && label.anchor != 2u);
     }
 
     // Beside a body's disc. A perspective draws it larger away from the middle.
@@ -125,7 +136,10 @@ fn name_vertex(@builtin(vertex_index) vertex: u32) -> NameVertex {
     let top = corner == 2u || corner == 3u || corner == 5u;
     let em = vec2f(select(letter.box_em.x, letter.box_em.z, right), select(letter.box_em.y, letter.box_em.w, top));
     let uv = vec2f(select(letter.uv.x, letter.uv.z, right), select(letter.uv.y, letter.uv.w, top));
-    let offset = em * names.em_px + vec2f(select(0.0, disc, is_body), 0.0);
+    let moved_px = vec2f(select(disc, beside.z * names.em_px - disc, beside.z < 0.0), 0.0);
+    // On a fisheye's edge letters stand in the middle of their place, else below.
+    let raised_px = select(vec2f(0.0), vec2f(0.0, 0.9 * names.em_px), on_edge);
+    let offset = em * names.em_px + select(raised_px, moved_px, is_body);
     let ndc = (place.xy + offset * points.pixel - view.tile.xy) / view.tile.zw;
     return NameVertex(
         vec4f(select(ndc, vec2f(2.0), hidden), far_depth, 1.0), uv, names.colours[min(label.kind, 5u)].rgb);

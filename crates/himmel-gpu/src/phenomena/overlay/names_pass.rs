@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use super::names::{Anchor, LabelKind, LabelList, MOST_NAMED_BODIES, Names, faintest};
+use super::names::{Anchor, LabelKind, LabelList, MOST_NAMED_BODIES, Names, beside, faintest};
 use super::names_params::NameColour;
 use crate::error::GpuError;
 use crate::layout::gpu_struct;
@@ -38,16 +38,14 @@ gpu_struct! {
         pub number: u32,
         /// Shown from this scale on.
         pub from_scale: f32,
-        /// Farthest from what it names.
-        pub reach: f32,
         /// Colour.
         pub kind: u32,
+        /// Farthest left and right of what it names.
+        pub reach: [f32; 2],
         /// Fills up.
         pub padding_0: u32,
         /// Fills up.
         pub padding_1: u32,
-        /// Fills up.
-        pub padding_2: u32,
     }
 }
 
@@ -86,8 +84,8 @@ gpu_struct! {
         pub faintest: f32,
         /// Bodies.
         pub bodies: [[f32; 4]; MOST_NAMED_BODIES],
-        /// How far their names reach.
-        pub reaches: [[f32; 4]; MOST_NAMED_BODIES / 4],
+        /// On which side their names stand.
+        pub beside: [[f32; 4]; MOST_NAMED_BODIES],
         /// By kind.
         pub colours: [[f32; 4]; LabelKind::COUNT],
     }
@@ -100,7 +98,8 @@ struct Uploaded {
     letters: wgpu::Buffer,
     /// Where each name's letters begin, and where the last one's end.
     starts: Vec<u32>,
-    reaches: [[f32; 4]; MOST_NAMED_BODIES / 4],
+    /// How far names of bodies reach, em.
+    reaches: [f64; MOST_NAMED_BODIES],
     atlas: wgpu::TextureView,
     group: wgpu::BindGroup,
 }
@@ -197,10 +196,13 @@ impl NamesPass {
             return;
         }
         let labels: Vec<NameLabel> = list.laid().iter().map(label_of).collect();
-        let mut reaches = [[0f32; 4]; MOST_NAMED_BODIES / 4];
-        for label in labels.iter().filter(|label| label.anchor == 3) {
-            let number = label.number as usize;
-            reaches[number / 4][number % 4] = label.reach;
+        let mut reaches = [0.0; MOST_NAMED_BODIES];
+        for laid in list.laid() {
+            if let Anchor::Body(index) = laid.label.anchor
+                && let Some(reach) = reaches.get_mut(index)
+            {
+                *reach = laid.reach[1];
+            }
         }
         let (letters, atlas) = list.letters();
         let mut starts = vec![0; labels.len() + 1];
@@ -292,12 +294,20 @@ impl NamesPass {
             let pixel_rad = view.degrees_per_pixel(rows as u32).to_radians();
             let scale = 1.0 / (names.params.size_px * pixel_rad.max(1e-12));
             let faintest = faintest(names.params.magnitude, view).min(names.limiting_magnitude);
+            let seen: Vec<(DVec3, f64)> = (names.bodies.iter().take(MOST_NAMED_BODIES))
+                .map(|body| {
+                    let radius_rad = if body.radius_rad.is_finite() { body.radius_rad.clamp(0.0, 3.0) } else { 0.0 };
+                    (view_from_enu * body.direction.normalize_or(DVec3::Z), radius_rad)
+                })
+                .collect();
             let mut bodies = [[0.0, 0.0, 1.0, -1.0]; MOST_NAMED_BODIES];
-            for (slot, body) in bodies.iter_mut().zip(&names.bodies) {
-                let direction = view_from_enu * body.direction.normalize_or(DVec3::Z);
-                if direction.is_finite() && body.radius_rad.is_finite() {
-                    *slot = direction.as_vec3().extend(body.radius_rad.clamp(0.0, 3.0) as f32).to_array();
-                }
+            for (slot, (direction, radius_rad)) in bodies.iter_mut().zip(&seen) {
+                *slot = direction.as_vec3().extend(*radius_rad as f32).to_array();
+            }
+            let mut sides = [[0f32; 4]; MOST_NAMED_BODIES];
+            for (slot, side) in sides.iter_mut().zip(beside(view, &seen, &uploaded.reaches, scale)) {
+                let numbers = [side.ends[0], side.ends[1], side.shift, f64::from(u8::from(side.shown))];
+                *slot = numbers.map(|number| number as f32);
             }
             let [view_from_enu_x, view_from_enu_y, view_from_enu_z] = columns(view_from_enu);
             let uniform = NamesUniform {
@@ -308,7 +318,7 @@ impl NamesPass {
                 scale: scale as f32,
                 faintest: faintest as f32,
                 bodies,
-                reaches: uploaded.reaches,
+                beside: sides,
                 colours,
             };
             let [points_buffer, names_buffer] = &self.uniforms.buffers;
@@ -371,8 +381,8 @@ fn label_of(laid: &super::names::Laid) -> NameLabel {
         anchor,
         number: number as u32,
         from_scale: laid.from_scale as f32,
-        reach: laid.reach[0].max(laid.reach[1]) as f32,
         kind: label.kind.index() as u32,
+        reach: laid.reach.map(|reach| reach as f32),
         ..NameLabel::default()
     }
 }
@@ -382,7 +392,7 @@ fn colours(names: &Names, target: &Target) -> [[f32; 4]; LabelKind::COUNT] {
     let kinds = [
         // Stars, constellations, bodies, cardinal points, the grids as their lines.
         [0.95, 0.95, 0.9],
-        [0.5, 0.65, 1.0],
+        [0.6, 0.75, 1.0],
         [1.0, 0.85, 0.5],
         [1.0, 0.6, 0.45],
         [0.35, 0.75, 0.85],
