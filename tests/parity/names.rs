@@ -20,21 +20,22 @@ const EVENING: [(&str, &str); 8] = [
     ("overlay.names.size_px", "20"),
 ];
 
-fn picture(settings: &[(&str, &str)], size: [u32; 2]) -> (Vec<u8>, SkyModel, View) {
+/// `still`: made for the first picture; all have the same air.
+fn picture(still: &mut Option<Still>, settings: &[(&str, &str)], size: [u32; 2]) -> (Vec<u8>, SkyModel, View) {
     let [width, height] = size.map(|side| side.to_string());
     let all = [&EVENING[..], settings, &[("output.width_px", &width), ("output.height_px", &height)]].concat();
     let model = model_of("earth", &all);
     let view = model.view().unwrap();
-    let mut still = Still::new(gpu(), Output::Display, model.atmosphere()).unwrap();
+    let still = still.get_or_insert_with(|| Still::new(gpu(), Output::Display, model.atmosphere()).unwrap());
     let picture = still.render(&model.frame().unwrap(), &view, size[0], size[1], &mut |_| true).unwrap();
     let Pixels::Display(rgb) = picture.pixels else { panic!("finished pixels were asked for") };
     (rgb, model, view)
 }
 
 /// Pixels that names brighten, as columns and rows; and the model and view.
-fn letters(settings: &[(&str, &str)], size: [u32; 2]) -> (Vec<[f64; 2]>, SkyModel, View) {
+fn letters(still: &mut Option<Still>, settings: &[(&str, &str)], size: [u32; 2]) -> (Vec<[f64; 2]>, SkyModel, View) {
     let on = [settings, &[("overlay.names.enabled", "on")]].concat();
-    let ((with, model, view), (without, ..)) = (picture(&on, size), picture(settings, size));
+    let ((with, model, view), (without, ..)) = (picture(still, &on, size), picture(still, settings, size));
     let pixel = |index: usize| [(index as u32 % size[0]) as f64 + 0.5, (index as u32 / size[0]) as f64 + 0.5];
     let lit = with.chunks_exact(3).zip(without.chunks_exact(3)).enumerate();
     let bright = lit.filter(|(_, (a, b))| i32::from(a[1]) - i32::from(b[1]) > 60).map(|(index, _)| pixel(index));
@@ -57,6 +58,7 @@ fn direction_of(model: &SkyModel, name: &str) -> DVec3 {
 /// ephemeris` puts the star, in every projection and field.
 #[test]
 fn names_stand_beside_what_they_name() {
+    let mut still = None;
     let only_stars = [("overlay.names.constellations", "off"), ("overlay.names.cardinal_points", "off")];
     for (projection, fov, look, names) in [
         ("perspective", "60", "180,35", &["rigel", "betelgeuse", "sirius"][..]),
@@ -68,7 +70,7 @@ fn names_stand_beside_what_they_name() {
     ] {
         let size = if projection == "equirect" { [960, 480] } else { [640, 480] };
         let camera = [("camera.projection", projection), ("camera.fov_deg", fov), ("camera.look", look)];
-        let (lit, model, view) = letters(&[&only_stars[..], &camera[..]].concat(), size);
+        let (lit, model, view) = letters(&mut still, &[&only_stars[..], &camera[..]].concat(), size);
         for name in names {
             let [x, y] = pixel_of(&view, size, direction_of(&model, name)).expect("in the picture");
             let em = if *name == "jupiter" { 22.0 } else { 20.0 };
@@ -78,33 +80,43 @@ fn names_stand_beside_what_they_name() {
             let own: Vec<&[f64; 2]> = lit.iter().filter(near).collect();
             assert!(own.len() > 20, "{name} at {fov}° in {projection}: {} pixels near {x:.0}, {y:.0}", own.len());
             let left = own.iter().map(|at| at[0]).fold(f64::INFINITY, f64::min);
-            let [top, bottom] = [-1.0, 1.0].map(|sign| sign * own.iter().map(|at| sign * at[1]).fold(0.0 - 1e9, f64::max));
+            let [top, bottom] =
+                [-1.0, 1.0].map(|sign| sign * own.iter().map(|at| sign * at[1]).fold(0.0 - 1e9, f64::max));
             // Side bearings of capitals are up to 0.1 em; capitals reach from the baseline, 0.26 em below, to 0.45 above,
             // a g or p to 0.47 below.
             let (aside, above, below) = (left - x - disc - 0.5 * em, y - top, bottom - y);
-            println!("{name} {fov}° {projection}: {aside:.1} px aside of half an em, {above:.1} above, {below:.1} below");
+            println!(
+                "{name} {fov}° {projection}: {aside:.1} px aside of half an em, {above:.1} above, {below:.1} below"
+            );
             assert!((-2.0..=0.1 * em + 2.0).contains(&aside), "{name} at {fov}° in {projection}: {aside:.1} px");
             assert!((0.45 * em - above).abs() < 3.0, "{name} at {fov}° in {projection}: {above:.1} px above");
-            assert!((0.26 * em - 2.0..0.47 * em + 2.0).contains(&below), "{name} at {fov}° in {projection}: {below:.1} px");
+            assert!(
+                (0.26 * em - 2.0..0.47 * em + 2.0).contains(&below),
+                "{name} at {fov}° in {projection}: {below:.1} px"
+            );
         }
     }
 }
 
 #[test]
 fn nothing_has_a_name_below_the_horizon() {
+    let mut still = None;
     let off = [("overlay.names.cardinal_points", "off")];
-    let (lit, ..) = letters(&[&off[..], &[("camera.look", "180,-40"), ("camera.fov_deg", "60")]].concat(), [320, 240]);
+    let (lit, ..) =
+        letters(&mut still, &[&off[..], &[("camera.look", "180,-40"), ("camera.fov_deg", "60")]].concat(), [320, 240]);
     assert!(lit.is_empty(), "{:?}", lit.first());
-    let (lit, ..) = letters(&[&off[..], &[("camera.look", "180,40"), ("camera.fov_deg", "60")]].concat(), [320, 240]);
+    let (lit, ..) =
+        letters(&mut still, &[&off[..], &[("camera.look", "180,40"), ("camera.fov_deg", "60")]].concat(), [320, 240]);
     assert!(!lit.is_empty());
 }
 
 /// Below the middle of the horizon.
 #[test]
 fn south_is_in_the_south() {
-    let only = [("overlay.names.stars", "off"), ("overlay.names.letters", "off"), ("overlay.names.constellations", "off")];
+    let only =
+        [("overlay.names.stars", "off"), ("overlay.names.letters", "off"), ("overlay.names.constellations", "off")];
     let camera = [("camera.look", "180,10"), ("camera.fov_deg", "30")];
-    let (lit, _, view) = letters(&[&only[..], &camera[..]].concat(), [320, 240]);
+    let (lit, _, view) = letters(&mut None, &[&only[..], &camera[..]].concat(), [320, 240]);
     let [x, y] = pixel_of(&view, [320, 240], DVec3::new(0.0, -1.0, 0.0)).unwrap();
     let middle = lit.iter().map(|at| at[0]).sum::<f64>() / lit.len() as f64;
     assert!(lit.len() > 20 && (middle - x).abs() < 2.0, "{middle} {x}");
@@ -114,6 +126,7 @@ fn south_is_in_the_south() {
 /// Any field, any projection, pictures of a few pixels, letters of any size.
 #[test]
 fn extremes_draw_something_or_nothing() {
+    let mut still = None;
     for (projection, fov) in
         [("perspective", "0.001"), ("perspective", "179"), ("fisheye", "360"), ("fisheye", "0.001"), ("equirect", "60")]
     {
@@ -121,7 +134,7 @@ fn extremes_draw_something_or_nothing() {
             let camera = [("camera.projection", projection), ("camera.fov_deg", fov), ("camera.look", "sirius")];
             let grids = [("overlay.equatorial_grid", "on"), ("overlay.horizontal_grid", "on")];
             let names = [("overlay.names.enabled", "on"), ("overlay.names.size_px", letters)];
-            let (rgb, ..) = picture(&[&camera[..], &grids[..], &names[..]].concat(), size);
+            let (rgb, ..) = picture(&mut still, &[&camera[..], &grids[..], &names[..]].concat(), size);
             assert_eq!(rgb.len() as u32, 3 * size[0] * size[1]);
         }
     }
@@ -157,4 +170,58 @@ fn names_that_are_off_cost_nothing() {
     };
     assert_eq!(letters("off"), 0);
     assert!(letters("on") >= 1);
+}
+
+/// `cargo test -p himmel-tests --test parity cost_of_names -- --ignored --nocapture`: frames of 1280 × 720 with and without names in
+/// turn, the fastest of 21 each.
+#[test]
+#[ignore = "measures time"]
+fn cost_of_names() {
+    let target = himmel::Target::new(wgpu::TextureFormat::Rgba8Unorm, Output::Display);
+    let texture = gpu().device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("host"),
+        size: wgpu::Extent3d { width: 1280, height: 720, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: target.colour,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let attachment = texture.create_view(&Default::default());
+    for fov in ["60", "5"] {
+        let settings = |names| [("camera.look", "rigel"), ("camera.fov_deg", fov), ("overlay.names.enabled", names)];
+        let mut skies = ["off", "on"].map(|names| {
+            let model = model_of("earth", &[&EVENING[..6], &settings(names)].concat());
+            let view = model.view().unwrap();
+            (Sky::with_scene(&gpu().device, &gpu().queue, &target, model.scene()).unwrap(), view)
+        });
+        let mut fastest = [f64::INFINITY; 2];
+        let mut first = [0.0; 2];
+        for turn in 0..21 {
+            for ((sky, view), fastest_ms) in skies.iter_mut().zip(&mut fastest) {
+                let started = std::time::Instant::now();
+                let mut encoder = gpu().device.create_command_encoder(&Default::default());
+                sky.prepare(&mut encoder, &[*view]).unwrap();
+                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                        view: &attachment,
+                        depth_slice: None,
+                        resolve_target: None,
+                        ops: Default::default(),
+                    })],
+                    ..Default::default()
+                });
+                sky.draw(&mut pass, 0);
+                drop(pass);
+                gpu().queue.submit([encoder.finish()]);
+                gpu().wait().unwrap();
+                *fastest_ms = fastest_ms.min(1e3 * started.elapsed().as_secs_f64());
+            }
+            if turn == 0 {
+                first = fastest;
+            }
+        }
+        println!("{fov}°: {fastest:.1?} ms without and with names; first frames {first:.0?} ms");
+    }
 }

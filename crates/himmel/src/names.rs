@@ -18,8 +18,8 @@ static LETTERS: &[u8] = epaint_default_fonts::UBUNTU_LIGHT;
 const CARDINAL: [&str; 8] = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"];
 /// Before everything: nothing in the sky is as bright.
 const FIRST: f64 = -100.0;
-/// Constellations and degrees stand between the stars as if they had these magnitudes: a constellation after its brightest star and
-/// not after stars of 2.5; faint stars that nobody names at 60° must not make others wait.
+/// Constellations and degrees stand between the stars as if they had these magnitudes: a constellation after its brightest star,
+/// and none after stars of 2.5; faint stars that nobody names at 60° must not make others wait.
 const CONSTELLATIONS_AT_LEAST: f64 = 2.5;
 const DEGREES: f64 = 2.9;
 
@@ -196,7 +196,7 @@ fn constellation(own: &constellations::Constellation) -> Option<Label> {
         text: own.name.to_uppercase(),
         kind: LabelKind::Constellation,
         anchor: Anchor::fixed(icrs(own.label)),
-        magnitude: (brightest + 1.0).min(CONSTELLATIONS_AT_LEAST),
+        magnitude: brightest.min(CONSTELLATIONS_AT_LEAST),
     })
 }
 

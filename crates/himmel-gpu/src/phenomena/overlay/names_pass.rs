@@ -390,13 +390,13 @@ fn label_of(laid: &super::names::Laid) -> NameLabel {
 /// Colours by kind, as the target blends them.
 fn colours(names: &Names, target: &Target) -> [[f32; 4]; LabelKind::COUNT] {
     let kinds = [
-        // Stars, constellations, bodies, cardinal points, the grids as their lines.
+        // Stars, constellations, bodies, cardinal points, the grids like their lines.
         [0.95, 0.95, 0.9],
         [0.6, 0.75, 1.0],
         [1.0, 0.85, 0.5],
         [1.0, 0.6, 0.45],
-        [0.35, 0.75, 0.85],
-        [0.4, 0.8, 0.4],
+        [0.5, 0.85, 0.95],
+        [0.55, 0.95, 0.55],
     ];
     let encoded = target.output == Output::Display && !target.colour.is_srgb();
     kinds.map(|kind| {
