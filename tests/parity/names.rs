@@ -8,14 +8,18 @@ use himmel_tests::{gpu, model as model_of};
 
 use crate::stars::pixel_of;
 
-/// 2012-01-20T22:00Z over Potsdam: Orion in the south, Jupiter in the west. White letters of 20 px without what twinkles.
-const EVENING: [(&str, &str); 8] = [
+/// 2012-01-20T22:00Z over Potsdam: Orion in the south, Jupiter in the west. White letters of 20 px without what
+/// twinkles and glows.
+const EVENING: [(&str, &str); 11] = [
     ("observer.place", "52.39,13.06"),
     ("clock.time", "2012-01-20T22:00Z"),
     ("output.exposure", "-6"),
     ("output.dither", "off"),
     ("night.stars.scintillation", "0"),
     ("night.stars.glare", "none"),
+    ("night.airglow.enabled", "off"),
+    ("night.zodiacal.enabled", "off"),
+    ("night.milky_way.enabled", "off"),
     ("overlay.names.colour", "white"),
     ("overlay.names.size_px", "20"),
 ];
@@ -61,22 +65,23 @@ fn names_stand_beside_what_they_name() {
     let mut still = None;
     let only_stars = [("overlay.names.constellations", "off"), ("overlay.names.cardinal_points", "off")];
     for (projection, fov, look, names) in [
-        ("perspective", "60", "180,35", &["rigel", "betelgeuse", "sirius"][..]),
+        ("perspective", "60", "180,35", &["rigel", "sirius"][..]),
         ("perspective", "4", "rigel", &["rigel"]),
         ("fisheye", "180", "zenith", &["capella"]),
-        ("equirect", "60", "180,0", &["rigel"]),
+        ("equirect", "60", "180,0", &["sirius"]),
         ("perspective", "40", "jupiter", &["jupiter"]),
         ("perspective", "0.05", "jupiter", &["jupiter"]),
     ] {
-        let size = if projection == "equirect" { [960, 480] } else { [640, 480] };
+        let size = if projection == "equirect" { [800, 400] } else { [400, 300] };
         let camera = [("camera.projection", projection), ("camera.fov_deg", fov), ("camera.look", look)];
         let (lit, model, view) = letters(&mut still, &[&only_stars[..], &camera[..]].concat(), size);
         for name in names {
             let [x, y] = pixel_of(&view, size, direction_of(&model, name)).expect("in the picture");
             let em = if *name == "jupiter" { 22.0 } else { 20.0 };
             // Of Jupiter's disc of 38″.
-            let disc = if fov == "0.05" { 480.0 * 0.5 * 38.0 / 3600.0 / 0.05 } else { 0.0 };
-            let near = |at: &&[f64; 2]| (at[0] - x - disc).abs() < 4.0 * em && (at[1] - y).abs() < 0.8 * em;
+            let disc = if fov == "0.05" { f64::from(size[1]) * 0.5 * 38.0 / 3600.0 / 0.05 } else { 0.0 };
+            let near =
+                |at: &&[f64; 2]| (-0.3 * em..2.5 * em).contains(&(at[0] - x - disc)) && (at[1] - y).abs() < 0.8 * em;
             let own: Vec<&[f64; 2]> = lit.iter().filter(near).collect();
             assert!(own.len() > 20, "{name} at {fov}° in {projection}: {} pixels near {x:.0}, {y:.0}", own.len());
             let left = own.iter().map(|at| at[0]).fold(f64::INFINITY, f64::min);
@@ -192,7 +197,7 @@ fn cost_of_names() {
     for fov in ["60", "5"] {
         let settings = |names| [("camera.look", "rigel"), ("camera.fov_deg", fov), ("overlay.names.enabled", names)];
         let mut skies = ["off", "on"].map(|names| {
-            let model = model_of("earth", &[&EVENING[..6], &settings(names)].concat());
+            let model = model_of("earth", &[&EVENING[..9], &settings(names)].concat());
             let view = model.view().unwrap();
             (Sky::with_scene(&gpu().device, &gpu().queue, &target, model.scene()).unwrap(), view)
         });
