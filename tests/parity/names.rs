@@ -76,10 +76,16 @@ fn names_stand_beside_what_they_name() {
         let camera = [("camera.projection", projection), ("camera.fov_deg", fov), ("camera.look", look)];
         let (lit, model, view) = letters(&mut still, &[&only_stars[..], &camera[..]].concat(), size);
         for name in names {
-            let [x, y] = pixel_of(&view, size, direction_of(&model, name)).expect("in the picture");
+            // In the telescope the two formulae of refraction are 16 px apart; the camera looks at the middle of the disc.
+            let telescope = fov == "0.05";
+            let [x, y] = if telescope {
+                size.map(|side| 0.5 * f64::from(side))
+            } else {
+                pixel_of(&view, size, direction_of(&model, name)).expect("in the picture")
+            };
             let em = if *name == "jupiter" { 22.0 } else { 20.0 };
-            // Of Jupiter's disc of 38″.
-            let disc = if fov == "0.05" { f64::from(size[1]) * 0.5 * 38.0 / 3600.0 / 0.05 } else { 0.0 };
+            // Half of 0.011277°, as `himmel ephemeris` has Jupiter's disc.
+            let disc = if telescope { f64::from(size[1]) * 0.5 * 0.011277 / 0.05 } else { 0.0 };
             let near =
                 |at: &&[f64; 2]| (-0.3 * em..2.5 * em).contains(&(at[0] - x - disc)) && (at[1] - y).abs() < 0.8 * em;
             let own: Vec<&[f64; 2]> = lit.iter().filter(near).collect();
