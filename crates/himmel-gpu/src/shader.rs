@@ -38,6 +38,7 @@ pub const FILES: &[(&str, &str)] = &[
     ("phenomena/moon/moon.wgsl", include_str!("phenomena/moon/moon.wgsl")),
     ("phenomena/moon/uniform.wgsl", include_str!("phenomena/moon/uniform.wgsl")),
     ("phenomena/overlay/lines.wgsl", include_str!("phenomena/overlay/lines.wgsl")),
+    ("phenomena/overlay/names.wgsl", include_str!("phenomena/overlay/names.wgsl")),
     ("phenomena/planets/disc.wgsl", include_str!("phenomena/planets/disc.wgsl")),
     ("phenomena/planets/shade.wgsl", include_str!("phenomena/planets/shade.wgsl")),
     ("phenomena/stars/binned.wgsl", include_str!("phenomena/stars/binned.wgsl")),
@@ -81,6 +82,7 @@ pub const ROOTS: &[&str] = &[
     "phenomena/bodies/bodies.wgsl",
     "phenomena/planets/disc.wgsl",
     "phenomena/overlay/lines.wgsl",
+    "phenomena/overlay/names.wgsl",
 ];
 
 /// Why shader files could not be joined.
