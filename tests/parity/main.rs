@@ -9,6 +9,7 @@ mod day;
 mod functions;
 mod host;
 mod moon;
+mod names;
 mod night;
 mod pictures;
 mod saved;

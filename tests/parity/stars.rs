@@ -76,7 +76,7 @@ fn pixel_sr(view: &View, [width, height]: [u32; 2], index: usize) -> f64 {
 }
 
 /// Where a direction lies in the picture, px from the upper left corner.
-fn pixel_of(view: &View, [width, height]: [u32; 2], direction: DVec3) -> Option<[f64; 2]> {
+pub(crate) fn pixel_of(view: &View, [width, height]: [u32; 2], direction: DVec3) -> Option<[f64; 2]> {
     let seen = view.enu_from_view.transpose().transform_vector3(direction);
     let ndc = match view.projection {
         Projection::Matrix(clip_from_view) => {

@@ -19,6 +19,9 @@ pub enum GpuError {
     /// The render target cannot hold a sky.
     #[error("the target does not fit: {0}")]
     Target(String),
+    /// A file of letters cannot be used.
+    #[error("the font does not fit: {0}")]
+    Font(String),
     /// A view has no inverse, is not finite, or there are too many.
     #[error("the view does not fit: {0}")]
     View(String),

@@ -31,7 +31,10 @@ pub use phenomena::air::build::{Pace, Rebuild};
 pub use phenomena::air::{AirSizes, ApplyAir, RayAnswer, RayMeter, ShadowMap, TablesKey, TablesReadBack};
 pub use phenomena::bodies::{AlbedoMap, AlbedoMapError, FarBody, FarLight, MOST_FAR_BODIES};
 pub use phenomena::night_glow::NightGlow;
-pub use phenomena::overlay::{LineKind, LineList, LinePiece, Overlay, OverlayParams};
+pub use phenomena::overlay::{
+    Anchor, Label, LabelKind, LabelList, LineKind, LineList, LinePiece, MOST_NAMED_BODIES, NameColour, NamedBody,
+    Names, NamesParams, Overlay, OverlayParams, Typeface,
+};
 pub use phenomena::planets::{PlanetDisc, PlanetsParams};
 pub use phenomena::stars::{
     Glare, Hider, MOST_BODIES, PointBody, PointSpread, StarField, StarList, StarPoint, StarsParams,

@@ -18,6 +18,8 @@ pub(crate) enum Slot {
     FilteredTable,
     /// Layers of whole numbers.
     Codes,
+    /// A table of whole numbers.
+    CodeTable,
     /// A sampler that filters.
     Sampler,
     /// Depth, read texel by texel.
@@ -56,6 +58,7 @@ fn entry(binding: u32, slot: Slot, visibility: wgpu::ShaderStages) -> wgpu::Bind
         Slot::Filtered => texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2Array),
         Slot::FilteredTable => texture(TextureSampleType::Float { filterable: true }, TextureViewDimension::D2),
         Slot::Codes => texture(TextureSampleType::Uint, TextureViewDimension::D2Array),
+        Slot::CodeTable => texture(TextureSampleType::Uint, TextureViewDimension::D2),
         Slot::Sampler => BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
         Slot::Volume => texture(float, TextureViewDimension::D3),
         Slot::Depth => texture(TextureSampleType::Depth, TextureViewDimension::D2),

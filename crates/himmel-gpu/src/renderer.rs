@@ -23,7 +23,10 @@ use crate::phenomena::night_glow::grid::{self, NightGrid};
 use crate::phenomena::night_glow::{NightGlow, NightTextures, NightUniform};
 use crate::phenomena::overlay::{Lines, Overlay};
 use crate::phenomena::planets::{MOST_DISCS, PlanetDisc};
-use crate::phenomena::stars::{Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField};
+use crate::phenomena::stars::{
+    Hider, MOST_BODIES, MOST_HIDERS, PointBody, Points, PointsScene, StarField, bins_of_view, bins_texel, glare_of,
+    read_layout,
+};
 use crate::phenomena::sun::{BendingUniform, DiscUniform, Occluder, ShadowUniform};
 use crate::sky_pipelines::{Kind, MoonKind, Pipelines, Variant};
 use crate::target::Target;
@@ -335,7 +338,12 @@ impl SkyRenderer {
         let no_grid = grid::no_grid(device, &grid_layout);
         let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some("sky"),
-            bind_group_layouts: &[Some(&air.layout), Some(&view_layout), Some(&grid_layout)],
+            bind_group_layouts: &[
+                Some(&air.layout),
+                Some(&view_layout),
+                Some(&grid_layout),
+                Some(&read_layout(device)),
+            ],
             immediate_size: 0,
         });
         let points = Points::new(device, target, [&air.layout, &view_layout], air.constants())?;
@@ -628,6 +636,11 @@ impl SkyRenderer {
                 uniform.night_layer = grids;
                 grids += 1;
             }
+            if let Some(index) = uniforms.len().checked_sub(1) {
+                uniform.point_bins = bins_of_view(view);
+                uniform.point_bins_first = bins_texel(index);
+                uniform.glare = glare_of(frame.stars.as_ref(), self.target.output);
+            }
             let known = stations.iter().position(near);
             uniform.station = known.unwrap_or(stations.len()) as u32;
             if known.is_none() {
@@ -731,6 +744,7 @@ impl SkyRenderer {
             None => self.record_metering(encoder, stamps.as_deref_mut()),
             Some(factor) => self.meter.set(encoder, factor),
         }
+        self.points.clear(encoder);
         if self.points.any() {
             let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
                 label: Some("points"),
@@ -854,6 +868,8 @@ impl SkyRenderer {
             bodies: &frame.bodies,
             planets: &frame.planets,
             hiders: &hiders,
+            // They are drawn over the sky, with points over them.
+            all_wide: !frame.far_bodies.is_empty(),
             bending: &frame.bending,
             altitude_m: frame.altitude_m,
             bottom_radius_m: self.bottom_radius_m,
@@ -996,6 +1012,8 @@ impl SkyRenderer {
             eclipsed: self.eclipsed,
             night: self.by_night,
             grid: self.gridded.get(view_index + 1).copied().unwrap_or(false),
+            points: self.points.reads(view_index),
+            glare: self.points.reads(view_index) && self.points.glares(),
             occluded: self.occluded,
             moon: self.with_moon.map(|moon| moon.kind(pixel_rad)),
         }
@@ -1006,6 +1024,7 @@ impl SkyRenderer {
         pass.set_bind_group(0, &self.air.group, &[]);
         pass.set_bind_group(1, &self.view_group, &[(slot as u64 * self.view_stride) as u32]);
         if !variant.bodies() {
+            pass.set_bind_group(3, self.points.read_group(), &[]);
             let grid = self.night_grid.as_ref().and_then(NightGrid::group).unwrap_or(&self.no_grid);
             pass.set_bind_group(2, grid, &[]);
         }

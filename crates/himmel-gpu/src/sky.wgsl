@@ -5,6 +5,7 @@
 //#include "phenomena/night_glow/night_glow.wgsl"
 //#include "phenomena/sun/sun.wgsl"
 //#include "phenomena/moon/moon.wgsl"
+//#include "phenomena/stars/binned.wgsl"
 //#include "output/tonemap.wgsl"
 //#include "output/dither.wgsl"
 
@@ -294,7 +295,8 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     var dy = dpdy(look);
     dx *= min(1.0, 0.2 / max(length(dx), 1e-9));
     dy *= min(1.0, 0.2 / max(length(dy), 1e-9));
-    let share = inside(in.ndc, abs(dpdy(in.ndc.y)));
+    let pixel = vec2f(abs(dpdx(in.ndc.x)), abs(dpdy(in.ndc.y)));
+    let share = inside(in.ndc, pixel.y);
     if share <= select(0.0, 0.5, metering) {
         // Nothing: the corners of a fisheye.
         return vec4f(0.0);
@@ -303,6 +305,9 @@ fn sky_fragment(in: SkyVertex) -> @location(0) vec4f {
     var luminance = sky_luminance(in.from_table, look, dx, dy);
     if night && night_grid {
         luminance += night_from_grid(in.night_uv, moon_cover);
+    }
+    if with_points {
+        luminance += binned_light(in.ndc, pixel, dx, dy, in.exposure);
     }
     return pixel_colour(in, luminance, share);
 }

@@ -124,6 +124,10 @@ pub(crate) struct Kind {
     pub night: bool,
     /// Whether pipelines without horizon read its glow from the grid.
     pub grid: bool,
+    /// Whether pixels read points from bins.
+    pub points: bool,
+    /// Whether points have glare.
+    pub glare: bool,
 }
 
 impl Pipelines {
@@ -166,6 +170,8 @@ impl Pipelines {
                     eclipsed: false,
                     night: false,
                     grid: false,
+                    points: false,
+                    glare: false,
                     occluded: false,
                     moon: None,
                 },
@@ -200,8 +206,13 @@ impl Pipelines {
 
     pub(crate) fn get(&self, variant: Variant, kind: Kind) -> wgpu::RenderPipeline {
         let has = variant.has();
-        let kind =
-            Kind { moon: kind.moon.filter(|_| has.moon), grid: kind.grid && variant.tiled() && !has.horizon, ..kind };
+        let kind = Kind {
+            moon: kind.moon.filter(|_| has.moon),
+            grid: kind.grid && variant.tiled() && !has.horizon,
+            points: kind.points && !variant.metering() && !variant.bodies(),
+            glare: kind.glare && !variant.metering() && !variant.bodies(),
+            ..kind
+        };
         let mut made = self.made.lock().unwrap_or_else(PoisonError::into_inner);
         let pipeline = made.entry((variant, kind)).or_insert_with(|| {
             let metering = Target::new(meter::FORMAT, Output::Radiance);
@@ -249,6 +260,8 @@ fn sky_pipeline(
         ("eclipses", on(kind.eclipsed)),
         ("night", on(kind.night)),
         ("night_grid", on(kind.grid)),
+        ("with_points", on(kind.points)),
+        ("with_glare", on(kind.glare)),
         ("occluded", on(kind.occluded)),
         ("with_moon", on(kind.moon.is_some())),
         ("tonemap_operator", f64::from(kind.tonemap as u32)),

@@ -27,6 +27,7 @@ mod light;
 mod light_meter;
 mod model;
 mod moon;
+mod names;
 mod night;
 mod observer;
 pub mod picture;
@@ -44,9 +45,9 @@ pub use himmel_air::{AirParams, AirQuality, GroundParams, Preset, SunParams};
 pub use himmel_core::params;
 pub use himmel_gpu::{
     Adaptation, AdapterReport, AirSizes, AlbedoMap, ApplyAir, Bloom, BloomFrame, BloomPass, DepthDirection, Exposure,
-    FarBody, FarLight, Glare, Gpu, GpuError, Occluder, Output, OutputParams, OverlayParams, Pace, PassTimes, Picture,
-    Pixels, PlanetsParams, PointSpread, Projection, RayMeter, Rebuild, ShadowMap, SkyRenderer, StarsParams, Still,
-    TablesKey, TablesReadBack, Target, Tonemap, View,
+    FarBody, FarLight, Glare, Gpu, GpuError, NameColour, NamesParams, Occluder, Output, OutputParams, OverlayParams,
+    Pace, PassTimes, Picture, Pixels, PlanetsParams, PointSpread, Projection, RayMeter, Rebuild, ShadowMap,
+    SkyRenderer, StarsParams, Still, TablesKey, TablesReadBack, Target, Tonemap, View,
 };
 pub use light::{AmbientLight, Light, LightSource, SunLight, limiting_magnitude};
 pub use light_meter::{LightMeter, LightSolver, LightSpectrum, Measured, MeasuredLight};

@@ -12,14 +12,15 @@ use himmel_air::{Atmosphere, Preset};
 use himmel_astro::query::Target;
 use himmel_astro::{Body, Ephemeris, Fast, Instant, Place, Precise, observe};
 use himmel_core::constants::{ASTRONOMICAL_UNIT_M, SUN_RADIUS_M};
-use himmel_gpu::{FrameState, Occluder, Projection, SunState, View};
+use himmel_gpu::{FarBody, FrameState, Occluder, Projection, SunState, View};
 use jiff::Timestamp;
 
 use crate::bodies::Bodies;
 use crate::clock::{Clock, parse_time};
 use crate::error::{Error, Result};
 use crate::light::{AmbientLight, Light, LightSource, MOON, SunLight, pure_colour};
-use crate::moon::MoonCache;
+use crate::moon::{Moon, MoonCache};
+use crate::names::Named;
 use crate::night::NightCache;
 use crate::observer::Observer;
 use crate::points::{Moving, PointCache, hiders};
@@ -467,6 +468,8 @@ impl SkyModel {
         let (instant, place) = self.standing()?;
         let observer = himmel_astro::Observer::new(self.ephemeris.as_ref(), &instant, &place)?;
         let moving = Moving::of(&self.scene, &self.preset, &self.atmosphere.starlight(), &self.points, &observer)?;
+        let far_bodies = self.far_bodies()?;
+        let named = self.scene.names.enabled.then(|| self.named(moon.as_ref(), &moving, &far_bodies)).transpose()?;
         Ok(FrameState {
             sun: self.sun_state()?,
             other_suns: moonlight.into_iter().collect(),
@@ -477,14 +480,41 @@ impl SkyModel {
             bodies: moving.points,
             planets: moving.discs,
             hiders: hiders(&observer, moon.as_ref())?,
-            far_bodies: self.far_bodies()?,
+            far_bodies,
             moon: moon.and_then(|moon| self.moon_as_disc(moon)),
             night: self.night()?,
-            overlay: self.points.overlay(&self.scene, &observer),
+            overlay: self.points.overlay(&self.scene, &observer, named),
             altitude_m: self.altitude_m(),
             output: self.scene.output.clone(),
             seconds: None,
         })
+    }
+
+    /// Bodies that have names, where they stand.
+    fn named(&self, moon: Option<&Moon>, moving: &Moving, far_bodies: &[FarBody]) -> Result<Named> {
+        let mut named = Named::default();
+        if !self.scene.names.bodies {
+            return Ok(named);
+        }
+        let sun = self.sun_state()?;
+        if sun.disc {
+            named.push_body(Body::Sun, sun.direction, sun.radius_rad);
+        }
+        if let Some(moon) = moon {
+            named.push_body(Body::Moon, moon.state.direction, moon.state.radius_rad);
+        }
+        for (params, body) in self.scene.bodies.iter().filter(|params| params.enabled).zip(far_bodies) {
+            let distance_m = body.centre_m.length();
+            let radius_rad = (body.radius_m / distance_m).clamp(0.0, 1.0).asin();
+            named.push(&params.name, body.centre_m / distance_m, radius_rad);
+        }
+        for (body, disc) in Body::PLANETS.into_iter().zip(&moving.discs) {
+            named.push_body(body, disc.direction, disc.radius_rad);
+        }
+        if let Some((name, direction)) = &moving.comet {
+            named.push(name, *direction, 0.0);
+        }
+        Ok(named)
     }
 
     /// What the sky shows in a direction (unit vector east-north-up), as linear Rec. 709 in cd m⁻²: air, ground, the

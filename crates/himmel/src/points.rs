@@ -14,12 +14,13 @@ use himmel_astro::stars::{StarFrame, constellations};
 use himmel_astro::{Body, Catalogue, Observer, Star};
 use himmel_core::constants::ASTRONOMICAL_UNIT_M;
 use himmel_gpu::{
-    Hider, LineKind, LineList, MOST_BODIES, Overlay, OverlayParams, PlanetDisc, PointBody, PointSpread, StarField,
-    StarList, StarPoint,
+    Hider, LabelList, LineKind, LineList, MOST_BODIES, Names, Overlay, OverlayParams, PlanetDisc, PointBody,
+    PointSpread, StarField, StarList, StarPoint,
 };
 
 use crate::error::Result;
 use crate::moon::Moon;
+use crate::names::{Named, Source};
 use crate::scene::Scene;
 
 /// What a list was made of.
@@ -31,6 +32,7 @@ pub(crate) struct PointCache {
     list: Mutex<Option<(Made, Arc<StarList>)>>,
     satellites: Mutex<Option<(PathBuf, Arc<Vec<Satellite>>)>>,
     lines: Mutex<Option<(OverlayParams, Arc<LineList>)>>,
+    names: Mutex<Option<(Source, Option<Arc<LabelList>>)>>,
     /// Of whom was warned already.
     warned: Mutex<HashSet<String>>,
 }
@@ -43,22 +45,54 @@ impl PointCache {
         }
     }
 
-    /// The lines of a frame; `None` where none are on.
-    pub(crate) fn overlay(&self, scene: &Scene, observer: &Observer<'_>) -> Option<Overlay> {
+    /// Lines and names of a frame; `None` where none are on.
+    pub(crate) fn overlay(&self, scene: &Scene, observer: &Observer<'_>, named: Option<Named>) -> Option<Overlay> {
         let params = &scene.overlay;
-        if !params.any() {
+        if !(params.any() || named.is_some()) {
             return None;
         }
+        let frame = StarFrame::new(observer);
+        Some(Overlay {
+            lines: self.lines(params),
+            names: named.and_then(|named| self.names(scene, named, &frame)),
+            params: params.clone(),
+            enu_from_icrs: frame.enu_from_icrs,
+        })
+    }
+
+    fn lines(&self, params: &OverlayParams) -> Arc<LineList> {
         let mut cached = self.lines.lock().unwrap_or_else(PoisonError::into_inner);
-        let lines = match cached.as_ref() {
+        match cached.as_ref() {
             Some((of, lines)) if of == params => Arc::clone(lines),
             _ => {
                 let lines = Arc::new(self.lines_of(params));
                 *cached = Some((params.clone(), Arc::clone(&lines)));
                 lines
             }
+        }
+    }
+
+    /// `None` where the font cannot be used.
+    fn names(&self, scene: &Scene, named: Named, frame: &StarFrame) -> Option<Names> {
+        let source = Source::of(scene, &named);
+        let mut cached = self.names.lock().unwrap_or_else(PoisonError::into_inner);
+        let list = match cached.as_ref() {
+            Some((of, list)) if *of == source => list.clone(),
+            _ => {
+                let list = source.list(&|what, name, reason| self.warn(what, name, reason)).map(Arc::new);
+                *cached = Some((source, list.clone()));
+                list
+            }
         };
-        Some(Overlay { lines, params: params.clone(), enu_from_icrs: StarFrame::new(observer).enu_from_icrs })
+        Some(Names {
+            list: list?,
+            params: scene.names.clone(),
+            bodies: named.bodies,
+            years_since_j2000: frame.years_since_j2000,
+            beta: frame.beta,
+            observer_au: frame.observer_au,
+            limiting_magnitude: scene.stars.limiting_magnitude,
+        })
     }
 
     fn lines_of(&self, params: &OverlayParams) -> LineList {
@@ -260,6 +294,8 @@ fn polar_radius(body: Body) -> f64 {
 pub(crate) struct Moving {
     pub(crate) points: Vec<PointBody>,
     pub(crate) discs: Vec<PlanetDisc>,
+    /// Name and direction of a comet.
+    pub(crate) comet: Option<(String, DVec3)>,
 }
 
 impl Moving {
@@ -383,6 +419,7 @@ impl Moving {
             return cache.warn("comet", &name, &"its elements say nothing of its brightness: add m1 and k1");
         };
         let turn = observer.place.enu_from_ecef() * observer.orientation.ecef_from_gcrs;
+        self.comet = Some((name, turn * seen.vector_m.normalize_or(DVec3::Z)));
         let from_sun = (observer.state.position_m + seen.vector_m - observer.sun.position_m).normalize_or(DVec3::Z);
         let light = starlight.reflected(0.0, illuminance_lx(magnitude));
         let mut piece = |vector_m: DVec3, across_m: f64, share: f64| {

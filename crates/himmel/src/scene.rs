@@ -8,7 +8,7 @@ use himmel_core::params::{ParamError, ParamInfo, Params, Value, nearest, shorten
 use himmel_core::{choices, params};
 use himmel_gpu::phenomena::moon::MoonParams;
 use himmel_gpu::phenomena::night_glow::NightSettings;
-use himmel_gpu::{MOST_FAR_BODIES, OutputParams, OverlayParams, PlanetsParams, StarsParams};
+use himmel_gpu::{MOST_FAR_BODIES, NamesParams, OutputParams, OverlayParams, PlanetsParams, StarsParams};
 use toml::de::{DeTable, DeValue};
 
 use crate::bodies::BodyParams;
@@ -111,6 +111,8 @@ pub struct Scene {
     pub bodies: Vec<BodyParams>,
     /// `[overlay]`
     pub overlay: OverlayParams,
+    /// `[overlay.names]`
+    pub names: NamesParams,
     /// `[output]`
     pub output: OutputParams,
     /// Folder that a preset's relative path starts from; not part of the file.
@@ -133,6 +135,7 @@ impl Default for Scene {
             night: NightSettings::default(),
             bodies: Vec::new(),
             overlay: OverlayParams::default(),
+            names: NamesParams::default(),
             output: OutputParams::default(),
             folder: PathBuf::new(),
         }
@@ -141,7 +144,7 @@ impl Default for Scene {
 
 impl Scene {
     /// Every table of parameters, in the order of the file.
-    pub fn tables(&self) -> [&dyn Params; 15] {
+    pub fn tables(&self) -> [&dyn Params; 16] {
         [
             &self.observer,
             &self.clock,
@@ -157,11 +160,12 @@ impl Scene {
             &self.night.milky_way,
             &self.night.light_pollution,
             &self.overlay,
+            &self.names,
             &self.output,
         ]
     }
 
-    fn tables_mut(&mut self) -> [&mut dyn Params; 15] {
+    fn tables_mut(&mut self) -> [&mut dyn Params; 16] {
         [
             &mut self.observer,
             &mut self.clock,
@@ -177,6 +181,7 @@ impl Scene {
             &mut self.night.milky_way,
             &mut self.night.light_pollution,
             &mut self.overlay,
+            &mut self.names,
             &mut self.output,
         ]
     }

@@ -90,6 +90,9 @@ fn stars(gpu: &Gpu, scene: &Scene, args: &Args, quiet: bool) -> Result<(), Failu
     out!("frame     {}×{}, {} stars on screen", scene.output.width_px, scene.output.height_px, report.stars);
     for (name, medians) in [("without stars", &report.without), ("with stars", &report.with)] {
         out!("{name:<14} {:>8.2} ms, fastest {:>8.2} ms", medians.frame_ms, medians.fastest_ms);
+        for (label, ms) in &medians.passes.passes {
+            out!("  {label:<18} {ms:>8.2} ms");
+        }
     }
     out!("stars add {:.2} ms by the fastest frames", report.cost_ms());
     Ok(())

@@ -17,11 +17,12 @@ pub struct Args {
 }
 
 /// What is compiled in, with its licence.
-const DATA: [(&str, &str); 13] = [
+const DATA: [(&str, &str); 14] = [
     ("JPL DE440, refitted 1850–2150", "public domain (NASA/JPL)"),
     ("VSOP87, ELP-MPP02 series, Pluto, Jupiter's moons", "MIT (astronomia); facts"),
     ("Stars (Hipparcos, van Leeuwen 2007; Hipparcos 1997)", "ESA, free with acknowledgement"),
     ("Names of stars, constellations (d3-celestial)", "BSD-3-Clause, © 2015 Olaf Frohn"),
+    ("Letters of names in the sky (Ubuntu Light)", "Ubuntu font licence 1.0, © Canonical Ltd."),
     ("Libration of the Moon (fitted to JPL DE421)", "public domain (NASA/JPL)"),
     ("Earth orientation (IERS)", "BSD-3-Clause (astropy-iers-data)"),
     ("Leap seconds (USNO), Delta T (Morrison et al. 2021)", "public domain; facts"),

@@ -88,6 +88,12 @@ struct ViewUniform {
     // Layer of the night's grid that is the view's; what its 1 is, cd/m².
     night_layer: u32,
     night_unit: f32,
+    // Bins of points along the sides of the picture; where the view's begin.
+    point_bins: vec2u,
+    point_bins_first: u32,
+    padding: u32,
+    // Glare of points: inverse cube, inverse square; softening, rad; exposed value at which it ends.
+    glare: vec4f,
     moon: MoonUniform,
     // Rows of ICRS from view space (w: level of the star map, its side in texels), and of the ecliptic with its x to the Sun.
     icrs_from_view: array<vec4f, 3>,

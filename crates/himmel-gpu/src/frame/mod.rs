@@ -108,6 +108,14 @@ gpu_struct! {
         pub night_layer: u32,
         /// What its 1 is, cd/m².
         pub night_unit: f32,
+        /// Bins of points along the sides of the picture.
+        pub point_bins: [u32; 2],
+        /// Where the view's begin.
+        pub point_bins_first: u32,
+        /// Fills up.
+        pub padding: u32,
+        /// Glare of points.
+        pub glare: [f32; 4],
         /// The Moon.
         pub moon: MoonUniform,
         /// Rows of ICRS from view space; w: level of the star map, its side in texels.

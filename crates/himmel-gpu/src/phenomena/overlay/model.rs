@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
+use super::names::Names;
 use super::params::OverlayParams;
 
 /// What a line is; its colour follows.
@@ -45,7 +46,9 @@ pub struct LineList {
 pub struct Overlay {
     /// Uploaded when it is another one than before.
     pub lines: Arc<LineList>,
-    /// How they are drawn.
+    /// Names; `None` where there are none.
+    pub names: Option<Names>,
+    /// How lines are drawn.
     pub params: OverlayParams,
     /// Rotation.
     pub enu_from_icrs: DMat3,

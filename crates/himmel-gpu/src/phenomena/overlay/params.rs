@@ -23,7 +23,7 @@ params! {
 }
 
 impl OverlayParams {
-    /// Whether there is anything to draw.
+    /// Whether there are lines to draw.
     pub fn any(&self) -> bool {
         self.constellations || self.borders || self.equatorial_grid || self.horizontal_grid || self.ecliptic
     }

@@ -1,4 +1,4 @@
-//! The lines on the GPU.
+//! The lines on the GPU, and the names after them.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -6,6 +6,7 @@ use std::sync::Arc;
 use glam::DMat3;
 
 use super::model::{LineKind, LineList, LinePiece, Overlay};
+use super::names_pass::NamesPass;
 use crate::error::GpuError;
 use crate::layout::gpu_struct;
 use crate::pass::{Bound, Slot, bind, layout, module};
@@ -58,7 +59,7 @@ struct Uploaded {
     groups: Vec<wgpu::BindGroup>,
 }
 
-/// Draws lines into the host's pass.
+/// Draws lines and names into the host's pass.
 pub(crate) struct Lines {
     device: wgpu::Device,
     target: Target,
@@ -74,6 +75,12 @@ pub(crate) struct Lines {
     uploaded: Option<Uploaded>,
     /// Whether each view's projection is a matrix.
     views: Vec<bool>,
+    /// The layouts of the air and of a view.
+    groups: [wgpu::BindGroupLayout; 2],
+    /// Made when names are first drawn.
+    names: Option<NamesPass>,
+    /// Whether the target blends at all; points warn where it does not.
+    blends: bool,
 }
 
 fn uniforms(device: &wgpu::Device, size: u64) -> wgpu::Buffer {
@@ -97,6 +104,7 @@ impl Lines {
         });
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let stride = (size_of::<PointsUniform>() as u64).next_multiple_of(alignment);
+        let features = target.colour.guaranteed_format_features(device.features());
         Self {
             device: device.clone(),
             target: *target,
@@ -109,6 +117,9 @@ impl Lines {
             capacity: 2,
             uploaded: None,
             views: Vec::new(),
+            groups: groups.map(Clone::clone),
+            names: None,
+            blends: features.flags.contains(wgpu::TextureFormatFeatureFlags::BLENDABLE),
         }
     }
 
@@ -151,9 +162,22 @@ impl Lines {
         write: &mut dyn FnMut(&wgpu::Buffer, u64, &[u8]),
     ) -> Result<(), GpuError> {
         self.views.clear();
-        let Some(overlay) = overlay.filter(|overlay| overlay.params.any()) else { return Ok(()) };
-        self.upload(queue, &overlay.lines);
+        if let Some(names) = &mut self.names {
+            names.clear();
+        }
+        let Some(overlay) = overlay.filter(|_| self.blends) else { return Ok(()) };
         let views = &views[..views.len().min(MOST_VIEWS)];
+        if let Some(names) = &overlay.names {
+            let pass = match &mut self.names {
+                Some(pass) => pass,
+                none => none.insert(NamesPass::new(&self.device, &self.target, self.groups.each_ref())?),
+            };
+            pass.prepare(queue, names, overlay.enu_from_icrs, lift, views, write)?;
+        }
+        if !overlay.params.any() {
+            return Ok(());
+        }
+        self.upload(queue, &overlay.lines);
         if 2 * views.len() > self.capacity {
             self.capacity = (2 * views.len()).next_power_of_two();
             self.uniforms = uniforms(&self.device, self.stride * self.capacity as u64);
@@ -198,8 +222,15 @@ impl Lines {
         Ok(())
     }
 
-    /// Draws the lines of a view; groups 0 and 1 are those of its sky.
+    /// Draws the lines and names of a view; groups 0 and 1 are those of its sky.
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
+        self.draw_lines(pass, view_index);
+        if let Some(names) = &self.names {
+            names.draw(pass, view_index);
+        }
+    }
+
+    fn draw_lines(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
         let (Some(&linear), Some(uploaded)) = (self.views.get(view_index), &self.uploaded) else { return };
         for (list, ((_, count), group)) in uploaded.buffers.iter().zip(&uploaded.groups).enumerate() {
             let Some(pipeline) = self.pipelines.get(&(linear, list == 0)) else { continue };

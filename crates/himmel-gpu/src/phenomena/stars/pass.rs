@@ -8,6 +8,7 @@ use himmel_air::Starlight;
 use himmel_air::refraction::Bending;
 use himmel_core::constants::ILLUMINANCE_OF_V_0_LX;
 
+use super::bins::Bins;
 use super::cells::{CELLS, Sight};
 use super::model::{
     GLARE_FARTHEST_RAD, GLARE_FLOOR, GLARE_SOFT_RAD, Hider, PointBody, StarField, StarList, glare_coefficients,
@@ -83,8 +84,8 @@ gpu_struct! {
         pub glare_soft: f32,
         /// Glare.
         pub glare: [f32; 3],
-        /// Fills up.
-        pub padding: u32,
+        /// Whether all points are wide.
+        pub all_wide: u32,
         /// Refraction over true elevation.
         pub lift: BendingUniform,
         /// Discs.
@@ -109,6 +110,20 @@ gpu_struct! {
         pub count: u32,
         /// Where its prepared points begin.
         pub first: u32,
+        /// Points of the view.
+        pub view_count: u32,
+        /// Where they begin.
+        pub view_first: u32,
+        /// Bins along the sides of the picture.
+        pub bins: [u32; 2],
+        /// Where the view's begin.
+        pub bins_first: u32,
+        /// Where the lists of bins begin.
+        pub lists_first: u32,
+        /// Where wide points begin.
+        pub wide_first: u32,
+        /// Texel at which points in bins begin.
+        pub binned_first: u32,
         /// Bits of points that are drawn as discs.
         pub discs: [u32; 4],
         /// Runs of the list, two in each: where they begin among the points that are moved, and in the list.
@@ -125,18 +140,20 @@ gpu_struct! {
         pub half_size: [f32; 2],
         /// Illuminance, share of the core.
         pub light: [f32; 4],
-        /// The sky behind.
-        pub sky: [f32; 3],
-        /// Widening across.
-        pub widen_x: f32,
-        /// The sky behind, finished.
-        pub finished_sky: [f32; 3],
-        /// Widening upward.
-        pub widen_y: f32,
+        /// Widening across and upward.
+        pub widen: [f32; 2],
+        /// Solid angle per area of ndc.
+        pub per_ndc: f32,
+        /// Whether it is drawn as a square.
+        pub wide: u32,
         /// Direction, radius of glare.
         pub seen: [f32; 4],
         /// Softening, own number, radius of the thesis' glare.
         pub own: [f32; 4],
+        /// The sky behind.
+        pub sky: [f32; 4],
+        /// The same finished.
+        pub finished_sky: [f32; 4],
     }
 }
 
@@ -161,6 +178,8 @@ pub(crate) struct PointsScene<'a> {
     pub bodies: &'a [PointBody],
     pub planets: &'a [PlanetDisc],
     pub hiders: &'a [Hider],
+    /// Whether all points are drawn over the sky, none in its pixels.
+    pub all_wide: bool,
     pub bending: &'a Arc<Bending>,
     pub altitude_m: f64,
     pub bottom_radius_m: f64,
@@ -170,14 +189,37 @@ pub(crate) struct PointsScene<'a> {
     pub tonemap: Tonemap,
 }
 
-/// What is drawn of a view: pipelines, uniform slot of the list, points, whether twice.
+impl Kind {
+    /// Of the pass that moves points: it does not ask for the sky behind them.
+    fn moving(self) -> Self {
+        Self { marching: false, lights: 1, eclipsed: false, night: false, tonemap: Tonemap::Linear, ..self }
+    }
+
+    /// Of what draws wide points.
+    fn drawing(self) -> Self {
+        Self { twinkling: false, ..self }
+    }
+}
+
+/// What a view has of points: number of stars and of bodies, and their bins.
 #[derive(Clone, Copy, Debug)]
 struct Draw {
     kind: Kind,
-    bodies: bool,
-    slot: u32,
-    points: u32,
-    twice: bool,
+    points: [u32; 2],
+    bins: [u32; 2],
+}
+
+impl Draw {
+    /// One that has a uniform.
+    fn any_list(&self) -> usize {
+        usize::from(self.points[0] == 0 && self.points[1] > 0)
+    }
+
+    /// Lists that have points.
+    fn lists(&self) -> impl Iterator<Item = usize> {
+        let points = self.points;
+        (0..2).filter(move |&list| points[list] > 0)
+    }
 }
 
 /// The discs of a view: pipeline, uniform slot of its points, first slot and number of discs.
@@ -193,12 +235,16 @@ struct DiscDraw {
 pub(crate) struct Points {
     device: wgpu::Device,
     target: Target,
-    module: wgpu::ShaderModule,
-    pipeline_layout: wgpu::PipelineLayout,
-    moving_pipeline_layout: wgpu::PipelineLayout,
+    /// That move points, and that draw wide ones.
+    modules: [wgpu::ShaderModule; 2],
+    /// Of moving points, of looking behind them, of drawing them.
+    pipeline_layouts: [wgpu::PipelineLayout; 3],
     layouts: Layouts,
     constants: [(&'static str, f64); 2],
-    pipelines: HashMap<Kind, (wgpu::ComputePipeline, wgpu::RenderPipeline)>,
+    moving: HashMap<Kind, wgpu::ComputePipeline>,
+    /// Looking behind wide points of finished pictures, and drawing them.
+    drawing: HashMap<Kind, (Option<wgpu::ComputePipeline>, wgpu::RenderPipeline)>,
+    bins: Bins,
     uniforms: wgpu::Buffer,
     stride: u64,
     capacity: usize,
@@ -210,7 +256,11 @@ pub(crate) struct Points {
     uploaded: Option<Arc<StarList>>,
     /// Refraction over true elevation, and what it was made from.
     lift: Option<(Arc<Bending>, BendingUniform)>,
-    draws: Vec<[Option<Draw>; 2]>,
+    draws: Vec<Option<Draw>>,
+    /// Views of the frame whose pixels read bins.
+    reading: usize,
+    /// Views that have bins at all.
+    listing: usize,
     discs: Discs,
     /// Made when a disc is first drawn.
     disc_module: Option<wgpu::ShaderModule>,
@@ -221,15 +271,17 @@ pub(crate) struct Points {
     blends: bool,
 }
 
-/// Layouts of group 2: moving points, drawing them.
+/// Layouts of group 2: moving points, looking behind the wide ones, drawing those.
 struct Layouts {
     moving: wgpu::BindGroupLayout,
+    behind: wgpu::BindGroupLayout,
     drawing: wgpu::BindGroupLayout,
 }
 
-/// Groups 2: moving stars, moving bodies, drawing either.
+/// Groups 2: moving stars, moving bodies, looking behind either, drawing either.
 struct Groups {
     moving: [wgpu::BindGroup; 2],
+    behind: wgpu::BindGroup,
     drawing: wgpu::BindGroup,
 }
 
@@ -260,10 +312,13 @@ impl Points {
         constants: [(&'static str, f64); 2],
     ) -> Result<Self, GpuError> {
         let uniform = Slot::Uniform(size_of::<PointsUniform>() as u64, true);
-        let moving = [(0, uniform), (1, Slot::Buffer(false)), (2, Slot::Buffer(true))];
-        let drawing = [(0, uniform), (3, Slot::Buffer(false))];
+        let moving = [(0, uniform), (1, Slot::Buffer(false)), (2, Slot::Buffer(true))].into_iter().chain(Bins::SLOTS);
+        let moving: Vec<_> = moving.collect();
+        let behind = [(0, uniform), (2, Slot::Buffer(true)), Bins::WIDE_SLOT];
+        let drawing = [(0, uniform), (3, Slot::Buffer(false)), Bins::WIDE_SLOT];
         let layouts = Layouts {
             moving: layout(device, "moving points", wgpu::ShaderStages::COMPUTE, &moving),
+            behind: layout(device, "behind points", wgpu::ShaderStages::COMPUTE, &behind),
             drawing: layout(device, "points", wgpu::ShaderStages::VERTEX_FRAGMENT, &drawing),
         };
         let pipeline_layout = |last| {
@@ -279,8 +334,7 @@ impl Points {
             bind_group_layouts: &[Some(groups[0]), Some(groups[1]), Some(&layouts.drawing), Some(&discs.layout)],
             immediate_size: 0,
         });
-        let (moving_pipeline_layout, pipeline_layout) =
-            (pipeline_layout(&layouts.moving), pipeline_layout(&layouts.drawing));
+        let pipeline_layouts = [&layouts.moving, &layouts.behind, &layouts.drawing].map(pipeline_layout);
         let alignment = u64::from(device.limits().min_uniform_buffer_offset_alignment);
         let stride = (size_of::<PointsUniform>() as u64).next_multiple_of(alignment);
         let capacity = 16;
@@ -295,19 +349,22 @@ impl Points {
         if !blends {
             tracing::warn!(
                 format = ?target.colour,
-                "stars stand aside: this device cannot blend the target's format; ask for FLOAT32_BLENDABLE or use Rgba16Float"
+                "stars with glare and discs of planets stand aside: this device cannot blend the target's format; ask for \
+                 FLOAT32_BLENDABLE or use Rgba16Float"
             );
         }
-        let groups = bind_groups(device, &layouts, &uniforms, [&stars, &bodies], &prepared);
+        let bins = Bins::new(device, [groups[0], groups[1], &layouts.moving], &constants)?;
+        let groups = bind_groups(device, &layouts, &uniforms, [&stars, &bodies], &prepared, &bins);
         Ok(Self {
             device: device.clone(),
             target: *target,
-            module: module(device, "phenomena/stars/points.wgsl")?,
-            pipeline_layout,
-            moving_pipeline_layout,
+            modules: [module(device, "phenomena/stars/move.wgsl")?, module(device, "phenomena/stars/wide.wgsl")?],
+            pipeline_layouts,
             layouts,
             constants,
-            pipelines: HashMap::new(),
+            moving: HashMap::new(),
+            drawing: HashMap::new(),
+            bins,
             uniforms,
             stride,
             capacity,
@@ -318,6 +375,8 @@ impl Points {
             uploaded: None,
             lift: None,
             draws: Vec::new(),
+            reading: 0,
+            listing: 0,
             discs,
             disc_module: None,
             disc_pipeline_layout,
@@ -331,7 +390,8 @@ impl Points {
     pub(crate) fn set_air(&mut self, constants: [(&'static str, f64); 2]) {
         if constants != self.constants {
             self.constants = constants;
-            self.pipelines.clear();
+            self.moving.clear();
+            self.drawing.clear();
             self.disc_pipelines.clear();
         }
         self.uploaded = None;
@@ -344,7 +404,7 @@ impl Points {
 
     /// Memory in bytes.
     pub(crate) fn bytes(&self) -> u64 {
-        self.stars.size() + self.bodies.size() + self.prepared.size()
+        self.stars.size() + self.bodies.size() + self.prepared.size() + self.bins.bytes()
     }
 
     /// Uploads the list of stars if it is another one than before.
@@ -376,7 +436,7 @@ impl Points {
 
     fn bind(&mut self) {
         let lists = [&self.stars, &self.bodies];
-        self.groups = bind_groups(&self.device, &self.layouts, &self.uniforms, lists, &self.prepared);
+        self.groups = bind_groups(&self.device, &self.layouts, &self.uniforms, lists, &self.prepared, &self.bins);
     }
 
     /// Prepares a frame. `marching`: of each view, whether its pixels march. `write` records an upload.
@@ -391,18 +451,23 @@ impl Points {
     ) -> Result<(), GpuError> {
         self.draws.clear();
         self.disc_draws.clear();
-        if !self.blends {
-            return Ok(());
-        }
+        (self.reading, self.listing) = (0, 0);
         let stars = scene.stars.filter(|field| field.params.enabled);
         if let Some(field) = stars {
             self.upload(queue, &field.list, starlight);
         }
         let body_count = scene.bodies.len().min(MOST_BODIES);
-        if views.len() > MOST_VIEWS && (stars.is_some() || body_count > 0) {
-            tracing::warn!(views = views.len(), most = MOST_VIEWS, "only the first views of a frame have stars");
+        // Room for all that any view may show: a frame allocates nothing.
+        let listed = stars.map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
+        let each = listed + body_count;
+        let most = MOST_VIEWS.min(Bins::most_views(&self.device, each));
+        if views.len() > most && each > 0 {
+            tracing::warn!(views = views.len(), most, "only the first views of a frame have stars");
         }
-        let views = &views[..views.len().min(MOST_VIEWS)];
+        let views = &views[..views.len().min(most)];
+        let any = stars.is_some() || body_count > 0;
+        self.listing = if any { views.len() } else { 0 };
+        self.reading = if scene.all_wide { 0 } else { self.listing };
         let lift = match &self.lift {
             Some((of, lift)) if Arc::ptr_eq(of, scene.bending) => *lift,
             _ => {
@@ -427,16 +492,18 @@ impl Points {
         }
         let counts: Vec<[usize; 2]> =
             runs.iter().map(|both| both.each_ref().map(|runs| runs.iter().map(|run| run.1).sum())).collect();
-        // Room for all that any view may show: a frame allocates nothing.
-        let listed = stars.map_or(0, |field| field.list.count_to(field.params.limiting_magnitude));
-        let bytes = views.len() * (listed + body_count) * size_of::<SeenPoint>();
+        let bytes = views.len() * each * size_of::<SeenPoint>();
+        let mut stale = self.bins.reserve(self.listing, views.len() * each);
         if self.prepared.size() < bytes as u64 {
             self.prepared = list(&self.device, "seen points", bytes);
-            self.bind();
+            stale = true;
         }
         if 2 * views.len() > self.capacity {
             self.capacity = (2 * views.len()).next_power_of_two();
             self.uniforms = uniforms(&self.device, self.stride * self.capacity as u64);
+            stale = true;
+        }
+        if stale {
             self.bind();
         }
         if body_count > 0 {
@@ -458,10 +525,12 @@ impl Points {
         let mut first = 0;
         for (index, view) in views.iter().enumerate() {
             let linear = matches!(view.projection, Projection::Matrix(_));
-            let mut draws = [None; 2];
+            let mut draw: Option<Draw> = None;
             let mut disc_draw = None;
+            let view_first = first;
             for (bodies, count) in counts[index].into_iter().enumerate() {
-                if count == 0 {
+                // A view without points has bins that say so.
+                if count == 0 && (bodies == 1 || counts[index][1] > 0 || !any) {
                     continue;
                 }
                 let Some(mut uniform) = uniform_of(view, params, output, scene, starlight)? else { continue };
@@ -479,8 +548,12 @@ impl Points {
                     [view_from_list.x_axis, view_from_list.y_axis, view_from_list.z_axis]
                         .map(|v| v.as_vec3().to_array());
                 uniform.count = count as u32;
+                uniform.all_wide = u32::from(scene.all_wide);
                 uniform.first = first as u32;
                 first += count;
+                uniform.view_count = counts[index].iter().sum::<usize>() as u32;
+                uniform.view_first = view_first as u32;
+                self.bins.tell(&mut uniform, view, index);
                 uniform.runs = list_runs(&runs[index][bodies]);
                 if let Some(field) = field {
                     uniform.years = field.years_since_j2000 as f32;
@@ -505,7 +578,7 @@ impl Points {
                     twinkling: uniform.scintillation > 0.0,
                 };
                 self.make(kind);
-                if bodies == 1 && !shown[index].is_empty() {
+                if bodies == 1 && !shown[index].is_empty() && self.blends {
                     let kind = Kind { glare: false, rays: false, thesis: false, twinkling: false, ..kind };
                     if !self.disc_pipelines.contains_key(&kind) {
                         let pipeline = self.disc_pipeline(kind)?;
@@ -518,24 +591,27 @@ impl Points {
                         disc_slot += 1;
                     }
                 }
-                draws[bodies] = Some(Draw {
-                    kind,
-                    bodies: bodies == 1,
-                    slot: slot as u32,
-                    points: count as u32,
-                    twice: view.projection == Projection::Equirectangular,
-                });
+                draw.get_or_insert(Draw { kind, points: [0; 2], bins: uniform.bins }).points[bodies] = count as u32;
             }
-            self.draws.push(draws);
+            self.draws.push(draw);
             self.disc_draws.push(disc_draw);
         }
         Ok(())
     }
 
     fn make(&mut self, kind: Kind) {
-        if !self.pipelines.contains_key(&kind) {
-            let pipelines = self.pipelines_of(kind);
-            self.pipelines.insert(kind, pipelines);
+        let moving = kind.moving();
+        if !self.moving.contains_key(&moving) {
+            let pipeline = self.computing(0, "move_points", moving);
+            self.moving.insert(moving, pipeline);
+        }
+        let drawing = kind.drawing();
+        if self.blends && !self.drawing.contains_key(&drawing) {
+            let entries = ["point_vertex", "point_fragment"];
+            let pipeline = self.adding("points", &self.modules[1], &self.pipeline_layouts[2], entries, drawing);
+            let finished = self.target.output == Output::Display;
+            let behind = finished.then(|| self.computing(1, "look_behind", drawing));
+            self.drawing.insert(drawing, (behind, pipeline));
         }
     }
 
@@ -564,17 +640,17 @@ impl Points {
         ]
     }
 
-    fn pipelines_of(&self, kind: Kind) -> (wgpu::ComputePipeline, wgpu::RenderPipeline) {
+    /// `part`: module and layout.
+    fn computing(&self, part: usize, entry: &str, kind: Kind) -> wgpu::ComputePipeline {
         let constants = self.overrides(kind);
-        let moving = self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
-            label: Some("move_points"),
-            layout: Some(&self.moving_pipeline_layout),
-            module: &self.module,
-            entry_point: Some("move_points"),
+        self.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(entry),
+            layout: Some(&self.pipeline_layouts[part]),
+            module: &self.modules[part],
+            entry_point: Some(entry),
             compilation_options: wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() },
             cache: None,
-        });
-        (moving, self.adding("points", &self.module, &self.pipeline_layout, ["point_vertex", "point_fragment"], kind))
+        })
     }
 
     fn disc_pipeline(&mut self, kind: Kind) -> Result<wgpu::RenderPipeline, GpuError> {
@@ -599,35 +675,68 @@ impl Points {
 
     /// Whether the prepared frame has any.
     pub(crate) fn any(&self) -> bool {
-        self.draws.iter().flatten().any(Option::is_some)
+        self.draws.iter().any(Option::is_some)
     }
 
-    /// Records what moves the points of all views. `set_view`: binds groups 0 and 1 of a view.
+    /// Whether the pixels of a view read points.
+    pub(crate) fn reads(&self, view_index: usize) -> bool {
+        view_index < self.reading
+    }
+
+    /// Whether points of the frame have glare.
+    pub(crate) fn glares(&self) -> bool {
+        self.draws.iter().flatten().any(|draw| draw.kind.glare)
+    }
+
+    /// What they read them by.
+    pub(crate) fn read_group(&self) -> &wgpu::BindGroup {
+        &self.bins.read_group
+    }
+
+    /// Records what comes before [`record`](Self::record).
+    pub(crate) fn clear(&self, encoder: &mut wgpu::CommandEncoder) {
+        self.bins.clear(encoder, self.listing);
+    }
+
+    /// Records what moves the points of all views and puts them into bins. `set_view`: binds groups 0 and 1 of a view.
     pub(crate) fn record(
         &self,
         pass: &mut wgpu::ComputePass<'_>,
         set_view: &dyn Fn(&mut wgpu::ComputePass<'_>, usize),
     ) {
-        for (index, draws) in self.draws.iter().enumerate() {
-            for draw in draws.iter().flatten() {
-                let Some((pipeline, _)) = self.pipelines.get(&draw.kind) else { continue };
+        for (index, draw) in self.draws.iter().enumerate() {
+            let Some(draw) = draw else { continue };
+            let Some(pipeline) = self.moving.get(&draw.kind.moving()) else { continue };
+            pass.set_pipeline(pipeline);
+            set_view(pass, index);
+            pass.set_bind_group(2, &self.groups.moving[0], &[self.offset(index, draw.any_list())]);
+            for list in draw.lists() {
+                pass.set_bind_group(2, &self.groups.moving[list], &[self.offset(index, list)]);
+                pass.dispatch_workgroups(draw.points[list].div_ceil(64), 1, 1);
+            }
+            self.bins.record(pass, draw.points[0] + draw.points[1], draw.bins);
+            if let Some((Some(pipeline), _)) = self.drawing.get(&draw.kind.drawing()) {
                 pass.set_pipeline(pipeline);
-                set_view(pass, index);
-                let offset = (u64::from(draw.slot) * self.stride) as u32;
-                pass.set_bind_group(2, &self.groups.moving[usize::from(draw.bodies)], &[offset]);
-                pass.dispatch_workgroups(draw.points.div_ceil(64), 1, 1);
+                pass.set_bind_group(2, &self.groups.behind, &[self.offset(index, draw.any_list())]);
+                self.bins.dispatch_wide(pass, index);
             }
         }
     }
 
-    /// Draws the points of a view; groups 0 and 1 are those of its sky.
+    /// Of a list's uniform.
+    fn offset(&self, view_index: usize, list: usize) -> u32 {
+        ((2 * view_index + list) as u64 * self.stride) as u32
+    }
+
+    /// Draws the wide points of a view, and discs of planets; groups 0 and 1 are those of its sky.
     pub(crate) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, view_index: usize) {
-        for draw in self.draws.get(view_index).into_iter().flatten().flatten() {
-            let Some((_, pipeline)) = self.pipelines.get(&draw.kind) else { continue };
+        if let Some(draw) = self.draws.get(view_index).copied().flatten()
+            && let Some((_, pipeline)) = self.drawing.get(&draw.kind.drawing())
+        {
             pass.set_pipeline(pipeline);
-            let offset = (u64::from(draw.slot) * self.stride) as u32;
-            pass.set_bind_group(2, &self.groups.drawing, &[offset]);
-            pass.draw(0..6 * draw.points, 0..1 + u32::from(draw.twice));
+            // Both lists share what this reads.
+            pass.set_bind_group(2, &self.groups.drawing, &[self.offset(view_index, draw.any_list())]);
+            self.bins.draw_wide(pass, view_index);
         }
         let Some(draw) = self.disc_draws.get(view_index).copied().flatten() else { return };
         let Some(pipeline) = self.disc_pipelines.get(&draw.kind) else { return };
@@ -687,13 +796,18 @@ fn bind_groups(
     uniforms: &wgpu::Buffer,
     lists: [&wgpu::Buffer; 2],
     prepared: &wgpu::Buffer,
+    bins: &Bins,
 ) -> Groups {
     let uniform = Bound::Part(uniforms, size_of::<PointsUniform>() as u64);
-    let moving = |list| [(0, uniform), (1, Bound::Buffer(list)), (2, Bound::Buffer(prepared))];
-    Groups {
-        moving: lists.map(|list| bind(device, "moving points", &layouts.moving, &moving(list))),
-        drawing: bind(device, "points", &layouts.drawing, &[(0, uniform), (3, Bound::Buffer(prepared))]),
-    }
+    let drawing = [(0, uniform), (3, Bound::Buffer(prepared)), bins.wide()];
+    let moving = |list| {
+        let own = [(0, uniform), (1, Bound::Buffer(list)), (2, Bound::Buffer(prepared))];
+        let bound: Vec<_> = own.into_iter().chain(bins.bound()).collect();
+        bind(device, "moving points", &layouts.moving, &bound)
+    };
+    let behind = [(0, uniform), (2, Bound::Buffer(prepared)), bins.wide()];
+    let behind = bind(device, "behind points", &layouts.behind, &behind);
+    Groups { moving: lists.map(moving), behind, drawing: bind(device, "points", &layouts.drawing, &drawing) }
 }
 
 /// What a view may show of points.
@@ -748,7 +862,7 @@ fn list_runs(runs: &[(usize, usize)]) -> [[[u32; 4]; 24]; 2] {
 }
 
 /// Rows of a picture, or a guess that is not too many.
-fn rows_of(view: &View) -> f64 {
+pub(super) fn rows_of(view: &View) -> f64 {
     if view.rows_px == 0 { FEWEST_ROWS } else { f64::from(view.rows_px) }
 }
 
@@ -772,13 +886,13 @@ fn uniform_of(
     let strength = params.scintillation_for(output)
         * scintillation_at_zenith(0.01 * params.aperture_cm, params.integration_s, scene.altitude_m);
     let refraction_rad = scene.bending.deviation(std::f64::consts::FRAC_PI_4).0;
-    let [cube, square] = glare_coefficients(params.glare_for(output));
+    let [cube, square, soft, least] = glare_of(scene.stars, output);
     Ok(Some(PointsUniform {
         seeing: (params.seeing_arcsec / 3600.0).to_radians() as f32,
         scintillation: if refraction_rad > 0.0 { strength as f32 } else { 0.0 },
-        glare_floor: GLARE_FLOOR as f32,
-        glare_soft: GLARE_SOFT_RAD as f32,
-        glare: [cube, square, GLARE_FARTHEST_RAD].map(|value| value as f32),
+        glare_floor: least,
+        glare_soft: soft,
+        glare: [cube, square, GLARE_FARTHEST_RAD as f32],
         hider,
         phases: [[phases[0], phases[1], phases[2], phases[3]], [phases[4], phases[5], phases[6], phases[7]]],
         shift: wavelength_shift(refraction_rad, scene.bending.ratio).map(|value| value as f32),
@@ -786,6 +900,14 @@ fn uniform_of(
         thesis_lx: (ILLUMINANCE_OF_V_0_LX * 10f64.powf(-0.4 * params.thesis_magnitude)) as f32,
         ..shared
     }))
+}
+
+/// Glare of a frame's points: inverse cube, inverse square; softening, rad; exposed value at which it ends.
+pub(crate) fn glare_of(stars: Option<&StarField>, output: Output) -> [f32; 4] {
+    let defaults = StarsParams::default();
+    let params = stars.map_or(&defaults, |field| &field.params);
+    let [cube, square] = glare_coefficients(params.glare_for(output));
+    [cube, square, GLARE_SOFT_RAD, GLARE_FLOOR].map(|value| value as f32)
 }
 
 /// What follows from a view alone; `None` for a projection that looks one way everywhere.

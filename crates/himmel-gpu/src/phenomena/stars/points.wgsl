@@ -1,11 +1,9 @@
-// Points of light drawn over the sky: stars, planets, satellites. One invocation moves, lifts and dims each of them for a
-// view; then each is a triangle. Added to what is there: luminance, or what it changes in the finished colour.
+// What passes of points share: the list, what a view makes of it, and where a direction lies in a picture.
 
 //#include "sky.wgsl"
 //#include "phenomena/stars/psf.wgsl"
 
-// Whether points have glare; whether it has the fine rays of an eye's lens; whether all is drawn as the thesis does.
-override with_glare: bool = false;
+// Whether glare has the fine rays of an eye's lens; whether all is drawn as the thesis does.
 override with_corona_rays: bool = false;
 override as_thesis: bool = false;
 // Whether any of them twinkle.
@@ -51,7 +49,8 @@ struct PointsUniform {
     glare_soft: f32,
     // Glare: inverse cube, inverse square; farthest, rad.
     glare: vec3f,
-    padding: u32,
+    // 1: all points are wide.
+    all_wide: u32,
     // Apparent minus true elevation, over true elevation.
     lift: BendingUniform,
     // Discs before the points: unit vector without refraction; chord of the radius, 0 where there is none.
@@ -71,6 +70,17 @@ struct PointsUniform {
     // The list's length; where its prepared points begin.
     count: u32,
     first: u32,
+    // All points of the view: how many, and where they begin.
+    view_count: u32,
+    view_first: u32,
+    // Bins along the sides of the picture; where what the view keeps of them begins.
+    bins: vec2u,
+    bins_first: u32,
+    // Where the lists of all views begin, and their wide points.
+    lists_first: u32,
+    wide_first: u32,
+    // Texel at which points in bins begin, see binned.wgsl.
+    binned_first: u32,
     // Bits of points that this view draws as discs.
     discs: vec4u,
     // The runs of the list that this view may show, two in each: where they begin among the points that are moved, and in
@@ -80,41 +90,27 @@ struct PointsUniform {
 
 // A point as a view sees it.
 struct SeenPoint {
-    // The point in ndc of the picture; half the size of its triangle's square there, 0: not seen.
+    // The point in ndc of the picture; half the size of its square there, 0: not seen.
     centre: vec2f,
     half_size: vec2f,
-    // Illuminance times exposure, linear Rec. 709; share of the core.
+    // Illuminance, linear Rec. 709 in lx; share of the core.
     light: vec4f,
-    // The sky behind, exposed; widening of the core across …
-    sky: vec3f,
-    widen_x: f32,
-    // … and finished; widening upward.
-    finished_sky: vec3f,
-    widen_y: f32,
+    // Widening of the core across and upward.
+    widen: vec2f,
+    // Solid angle per area of ndc.
+    per_ndc: f32,
+    // 1: it is drawn as a square; 0: it stands in bins, and the sky's pixels read it.
+    wide: u32,
     // Where the point is seen, in view space; the radius of its glare, rad.
     seen: vec4f,
     // Softening of the glare; a number of its own, 0..1; radius of the thesis' glare in pixels.
     own: vec4f,
+    // Of a wide point in a finished picture: the sky behind, exposed; the same finished.
+    sky: vec4f,
+    finished_sky: vec4f,
 }
 
 @group(2) @binding(0) var<uniform> points: PointsUniform;
-@group(2) @binding(1) var<storage, read> point_list: array<PointLight>;
-@group(2) @binding(2) var<storage, read_write> prepared_points: array<SeenPoint>;
-// The same buffer, as the drawing reads it.
-@group(2) @binding(3) var<storage, read> seen_points: array<SeenPoint>;
-
-struct PointVertex {
-    @builtin(position) position: vec4f,
-    // From the point, in ndc of the picture.
-    @location(0) offset: vec2f,
-    // As in SeenPoint.
-    @location(1) @interpolate(flat) centre: vec4f,
-    @location(2) @interpolate(flat) light: vec4f,
-    @location(3) @interpolate(flat) sky: vec3f,
-    @location(4) @interpolate(flat) finished_sky: vec3f,
-    @location(5) @interpolate(flat) seen: vec4f,
-    @location(6) @interpolate(flat) own: vec4f,
-}
 
 fn lift_node(index: i32) -> f32 {
     let i = clamp(index, 0, 31);
@@ -209,173 +205,7 @@ fn air_transmittance(direction: vec3f, mu: f32) -> vec4f {
     return select(transmittance_to_space(start.altitude_m, start.mu), vec4f(1.0), start.misses);
 }
 
-fn run_of(slot: u32) -> vec2u {
-    let pair = points.runs[slot / 2u];
-    return select(pair.xy, pair.zw, (slot & 1u) == 1u);
-}
-
-// The place in the list of a point that is moved.
-fn listed(index: u32) -> u32 {
-    var slot = 0u;
-    for (var step = 64u; step > 0u; step /= 2u) {
-        let next = min(slot + step, 95u);
-        slot = select(slot, next, run_of(next).x <= index);
-    }
-    let run = run_of(slot);
-    return run.y + index - run.x;
-}
-
-@compute @workgroup_size(64)
-fn move_points(@builtin(global_invocation_id) id: vec3u) {
-    let index = id.x;
-    if index >= points.count {
-        return;
-    }
-    let place_in_list = listed(index);
-    let point = point_list[place_in_list];
-    let moved = normalize(point.place + point.velocity * points.years - point.parallax * points.observer_au);
-    let along = dot(moved, points.beta);
-    let slow = 1.0 - 0.5 * dot(points.beta, points.beta);
-    let aberrated = normalize(moved * slow + points.beta * (1.0 + 0.5 * along));
-    let direction = aberrated.x * points.view_from_list_x + aberrated.y * points.view_from_list_y
-        + aberrated.z * points.view_from_list_z;
-    let bits = points.discs[min(place_in_list / 32u, 3u)];
-    var hidden = place_in_list < 128u && ((bits >> (place_in_list % 32u)) & 1u) == 1u;
-    // All four: an unused one has no radius.
-    for (var i = 0u; i < 4u; i++) {
-        hidden = hidden || length(direction - points.hider[i].xyz) < points.hider[i].w;
-    }
-    let seen = lifted(direction);
-    let mu = dot(seen, view.up);
-    hidden = hidden || mu < view.horizon_mu;
-    let place = picture_place(seen);
-    // Spread over 0..1.
-    let seed = fract(point.number * 0.618033988 + 0.5);
-    var four = point.four * air_transmittance(seen, mu);
-    if twinkling {
-        let flicker = twinkle(
-            seed, mu, points.scintillation, points.phases[0], points.phases[1], points.shift, points.strength);
-        four *= mix(vec4f(1.0), flicker, point.scintillation);
-    }
-    let exposure = exposure_now();
-    let light = rec709_of(four) * exposure;
-    let bright = luminance_of(light);
-
-    let per_ndc = solid_angle_per_ndc(place.xy);
-    let pixel_sr = per_ndc * points.pixel.x * points.pixel.y;
-    // Seeing widens the core where a pixel is finer: the spline's own full width is 1.44 pixels.
-    let blurred = vec2f(points.seeing * pow(min(air_mass(mu), 40.0), 0.6), point.width) / (1.44 * sqrt(pixel_sr));
-    // 500: a comet that fills a picture.
-    var widen = vec2f(min(sqrt(1.0 + dot(blurred, blurred)), 500.0));
-    var radial_px = sqrt(pixel_sr);
-    if linear {
-        let ray = view.ray_origin + view.ray_x * place.x + view.ray_y * place.y;
-        radial_px = points.pixel.y * length(view.ray_y) / dot(ray, ray);
-    } else if view.projection == 1u {
-        radial_px = points.pixel.y * view.half_angle;
-    } else {
-        // Round on the sphere, not in the picture; 64: what a pole may take.
-        widen.x *= min(1.0 / max(cos(place.y * 0.5 * PI), 1e-6), 64.0);
-        radial_px = points.pixel.y * 0.5 * PI;
-    }
-
-    // A hundredth of a pixel for rounding.
-    var half_size = 2.0 * widen + 0.01;
-    var glare = vec3f(0.0, 1.0, 0.0);
-    if with_glare {
-        let soft = max(max(points.glare_soft, radial_px), point.width);
-        let reach = min(glare_reach(points.glare.xy, points.glare_floor / max(bright, 1e-30), soft), points.glare.z);
-        let share = glare_share(points.glare.xy, max(reach, 1e-9), soft);
-        let worth = reach > 2.0 * radial_px;
-        glare = vec3f(select(0.0, reach, worth), soft, select(0.0, share, worth));
-        half_size = max(half_size, vec2f(glare.x / radial_px) * widen / widen.y);
-    }
-    var thesis_glare_px = 0.0;
-    if as_thesis {
-        let relative = bright / (exposure * points.thesis_lx);
-        // Δ_m(m + V_T − 1) − 1.
-        thesis_glare_px = points.thesis_glare_px * sqrt(max(relative * 1.0544 - 1.0, 0.0));
-        half_size = vec2f(max(2.5, thesis_glare_px));
-    }
-
-    var sky = vec3f(0.0);
-    var finished_sky = vec3f(0.0);
-    if finished != 0u {
-        sky = sky_behind(seen) * exposure;
-        finished_sky = finished_colour(sky);
-        // A tenth of a step of 8 bits: nothing to draw.
-        let peak = bright * 0.4445 / (pixel_sr * widen.x * widen.y);
-        hidden = hidden || (!as_thesis && peak < 2e-3 * luminance_of(max(sky, vec3f(0.0))) + 1e-6);
-    }
-    if hidden || place.z < 0.5 || !(bright > 0.0) {
-        half_size = vec2f(0.0);
-    }
-    prepared_points[points.first + index] = SeenPoint(
-        place.xy, half_size * points.pixel, vec4f(light, 1.0 - glare.z), sky, widen.x, finished_sky, widen.y,
-        vec4f(seen, glare.x), vec4f(glare.y, seed, thesis_glare_px, 0.0));
-}
-
 // Luminance of the sky in a direction, for what is tone mapped together with it.
 fn sky_behind(direction: vec3f) -> vec3f {
     return sky_luminance(table_scales(), direction, vec3f(0.0), vec3f(0.0));
-}
-
-// instance: equirectangular pictures draw each point twice, since it may lie on their seam.
-@vertex
-fn point_vertex(@builtin(vertex_index) vertex: u32, @builtin(instance_index) instance: u32) -> PointVertex {
-    let index = points.first + vertex / 6u;
-    let half_size = seen_points[index].half_size;
-    var centre = seen_points[index].centre;
-    var beyond = !(half_size.x > 0.0);
-    if instance == 1u {
-        centre.x -= 2.0 * sign(centre.x);
-        beyond = beyond || abs(centre.x) - 1.0 > half_size.x;
-    }
-    let corner = vertex % 6u;
-    // (−,−) (+,−) (−,+), (−,+) (+,−) (+,+).
-    let right = corner == 1u || corner == 4u || corner == 5u;
-    let offset = vec2f(select(-1.0, 1.0, right), select(-1.0, 1.0, corner == 2u || corner == 3u || corner == 5u)) * half_size;
-    let ndc = (centre + offset - view.tile.xy) / view.tile.zw;
-    let seen = seen_points[index];
-    return PointVertex(
-        // Outside: all corners are one point.
-        vec4f(select(ndc, vec2f(2.0), beyond), far_depth, 1.0), offset, vec4f(centre, seen.widen_x, seen.widen_y),
-        seen.light, seen.sky, seen.finished_sky, seen.seen, seen.own);
-}
-
-@fragment
-fn point_fragment(in: PointVertex) -> @location(0) vec4f {
-    // Pixels from the point. The size of a pixel is taken from the picture itself, so it is right for any target.
-    let step = vec2f(abs(dpdx(in.offset.x)), abs(dpdy(in.offset.y)));
-    let pixels = in.offset / max(step, vec2f(1e-30));
-    let place = in.centre.xy + in.offset;
-    var light = vec3f(0.0);
-    if as_thesis {
-        let exposed_lx = points.thesis_lx * exposure_now();
-        let relative = luminance_of(in.light.rgb) / exposed_lx;
-        let distance = length(pixels);
-        let excess = clamp(relative * 1.0544 - 1.0, 0.0, 1.0);
-        let value = relative * points.thesis_core_scale * thesis_core(0.5 * distance)
-            + excess * thesis_glare(distance / max(in.own.z, 1e-6)) * f32(in.own.z > 0.0);
-        light = in.light.rgb / max(luminance_of(in.light.rgb), 1e-30) * value;
-    } else {
-        let at = pixels / in.centre.zw;
-        let weight = core_weight(at.x) * core_weight(at.y) / (in.centre.z * in.centre.w);
-        let pixel_sr = solid_angle_per_ndc(place) * step.x * step.y;
-        var spread = in.light.a * weight / pixel_sr;
-        if with_glare && in.seen.w > 0.0 {
-            let theta = length(look_direction(place) - in.seen.xyz);
-            var veil = max(glare_per_sr(points.glare.xy, theta, in.own.x)
-                - glare_per_sr(points.glare.xy, in.seen.w, in.own.x), 0.0);
-            if with_corona_rays {
-                veil *= ciliary_corona(in.offset / step, in.own.y);
-            }
-            spread += veil;
-        }
-        light = in.light.rgb * spread;
-    }
-    if finished == 0u {
-        return vec4f(min(light, vec3f(frame.largest)), 0.0);
-    }
-    return vec4f(finished_colour(in.sky + light) - in.finished_sky, 0.0);
 }
