@@ -154,7 +154,7 @@ impl MoonHeights {
     }
 
     fn bilinear(&self, uv: DVec2, level: usize) -> f64 {
-        let (w, h) = ((self.width as usize >> level).max(1), (self.width as usize / 2 >> level).max(1));
+        let (w, h) = ((self.width as usize >> level).max(1), ((self.width as usize / 2) >> level).max(1));
         let x = uv.x * w as f64 - 0.5;
         let y = (uv.y * h as f64 - 0.5).clamp(0.0, (h - 1) as f64);
         let (fx, fy) = (x - x.floor(), y.fract());
