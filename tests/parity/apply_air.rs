@@ -184,8 +184,6 @@ fn a_stretch_of_air_agrees_with_the_twin() {
         ("bruneton2017", AirQuality::Film, 0.005),
         ("bruneton2017", AirQuality::High, 0.03),
         ("earth-haze", AirQuality::Film, 0.005),
-        ("earth-haze", AirQuality::High, 0.03),
-        ("mars-dusty", AirQuality::Film, 0.005),
         ("mars-dusty", AirQuality::High, 0.03),
     ] {
         let atmosphere = atmosphere(preset, quality);

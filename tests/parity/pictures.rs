@@ -1,14 +1,16 @@
 //! Whole pictures against the f64 twin: tables, march, ground, colour matrix, cameras.
 
+use std::collections::HashMap;
+
 use himmel::{Output, Pixels, SkyModel, Still};
 use himmel_tests::{Settings, gpu, model};
 
-/// Renders a scene's picture and compares each pixel's luminance with the model's. Returns relative errors, sorted.
-fn errors(model: &SkyModel) -> Vec<f64> {
+/// Renders a scene's picture and compares each pixel's luminance with the model's. Returns relative errors, sorted. `still`: of the
+/// scene's atmosphere.
+fn errors(still: &mut Still, model: &SkyModel) -> Vec<f64> {
     let size = &model.scene().output;
     let (width, height) = (size.width_px, size.height_px);
     let view = model.view().unwrap();
-    let mut still = Still::new(gpu(), Output::Radiance, model.atmosphere()).unwrap();
     let picture = still.render(&model.frame().unwrap(), &view, width, height, &mut |_| true).unwrap();
     let Pixels::Radiance(rgb) = &picture.pixels else { panic!("radiance was asked for") };
     let luminance = |c: [f64; 3]| 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
@@ -77,6 +79,8 @@ fn pictures_are_those_of_the_model() {
         ),
     ];
     let mut bad = Vec::new();
+    // Tables of this quality take long: scenes with the same air share them.
+    let mut stills: HashMap<&str, Still> = HashMap::new();
     for (name, preset, settings) in scenes {
         // Every pixel marches, as the twin does.
         let film = [("air.quality", "film")];
@@ -85,7 +89,10 @@ fn pictures_are_those_of_the_model() {
             ["stars", "planets", "airglow", "zodiacal", "milky_way"].map(|name| format!("night.{name}.enabled"));
         let no_night = night.iter().map(|name| (name.as_str(), "off"));
         let all: Vec<(&str, &str)> = size.iter().chain(&film).chain(settings).copied().chain(no_night).collect();
-        let errors = errors(&model(preset, &all));
+        let model = model(preset, &all);
+        let still =
+            stills.entry(preset).or_insert_with(|| Still::new(gpu(), Output::Radiance, model.atmosphere()).unwrap());
+        let errors = errors(still, &model);
         let (median, p99) = (errors[errors.len() / 2], errors[errors.len() * 99 / 100]);
         println!("{name}: median {median:.1e}, 99 % {p99:.1e}, worst {:.1e}", errors[errors.len() - 1]);
         if !(median < 2e-3 && p99 < 1e-2) {
