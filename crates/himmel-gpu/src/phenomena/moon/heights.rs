@@ -178,7 +178,7 @@ impl MoonHeights {
     }
 
     /// Tangent of the elevation of the horizon. `towards`: unit vector, its parts to east and north; `tan`: of the Sun's elevation,
-    /// beyond which nothing is looked for; below [`darkest_tan`] the horizon is above it. Twin of `moon_horizon`.
+    /// beyond which nothing is looked for; below `darkest_tan` the horizon is above it. Twin of `moon_horizon`.
     ///
     /// max over the way s of (h(s) − h₀) / s − s / 2, lengths in radii of the Moon
     pub fn horizon(&self, own: DVec3, level: f64, relief: f64, towards: DVec2, tan: f64) -> f64 {
