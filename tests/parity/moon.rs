@@ -236,23 +236,29 @@ fn pixels_are_the_twins_and_sum_to_the_illuminance() {
     for (map, relief, median, most) in [("none", "0", 1e-4, 2e-3), ("", "0", 0.03, 0.12)] {
         let settings = [("body.moon.albedo_map", map), ("body.moon.relief", relief)];
         let (model, light) = picture("Potsdam", "2024-04-20T20:00Z", SIZE, &settings);
-        let view = model.view().unwrap();
         let radius_rad = model.moon().unwrap().unwrap().radius_deg.to_radians();
-        let mut errors = Vec::new();
-        for (index, value) in light.iter().enumerate().step_by(7) {
-            if on_disc(index, SIZE, radius_rad).length() < 0.9 {
-                let ndc = |i: usize| 2.0 * (i as f64 + 0.5) / f64::from(SIZE) - 1.0;
-                let direction = view.direction([ndc(index % SIZE as usize), -ndc(index / SIZE as usize)]).unwrap();
-                let twin = model.luminance(direction).unwrap();
-                let twin = 0.2126 * twin.x + 0.7152 * twin.y + 0.0722 * twin.z;
-                errors.push((value - twin).abs() / twin.max(1.0));
-            }
-        }
-        errors.sort_by(f64::total_cmp);
+        let errors = errors_of_disc(&model, &light, SIZE, radius_rad, 7);
         let at = |share: f64| errors[(share * (errors.len() - 1) as f64) as usize];
         println!("errors: median {:.1e}, 95 % {:.1e}", at(0.5), at(0.95));
         assert!(at(0.5) < median && at(0.95) < most, "{} {}", at(0.5), at(0.95));
     }
+}
+
+/// How far pixels within 0.9 radii are from the twin, one of every `step`, sorted.
+fn errors_of_disc(model: &SkyModel, light: &[f64], size: u32, radius_rad: f64, step: usize) -> Vec<f64> {
+    let view = model.view().unwrap();
+    let ndc = |i: usize| 2.0 * (i as f64 + 0.5) / f64::from(size) - 1.0;
+    let mut errors: Vec<f64> = (light.iter().enumerate().step_by(step))
+        .filter(|(index, _)| on_disc(*index, size, radius_rad).length() < 0.9)
+        .map(|(index, value)| {
+            let direction = view.direction([ndc(index % size as usize), -ndc(index / size as usize)]).unwrap();
+            let twin = model.luminance(direction).unwrap();
+            let twin = 0.2126 * twin.x + 0.7152 * twin.y + 0.0722 * twin.z;
+            (value - twin).abs() / twin.max(1.0)
+        })
+        .collect();
+    errors.sort_by(f64::total_cmp);
+    errors
 }
 
 /// Where a place of the Moon lies on the disc, in radii.
@@ -300,18 +306,7 @@ fn craters_stand_where_the_gazetteer_has_them() {
         println!("{name}: wall towards the Sun {sunward:.2} of a smooth Moon's light, across {across:.2}");
         assert!(sunward < 0.75 && across > 1.2, "{name}: {sunward} {across}");
     }
-    let view = model.view().unwrap();
-    let mut errors = Vec::new();
-    for (index, value) in rough.iter().enumerate().step_by(397) {
-        if on_disc(index, SIZE, radius_rad).length() < 0.9 {
-            let ndc = |i: usize| 2.0 * (i as f64 + 0.5) / f64::from(SIZE) - 1.0;
-            let direction = view.direction([ndc(index % SIZE as usize), -ndc(index / SIZE as usize)]).unwrap();
-            let twin = model.luminance(direction).unwrap();
-            let twin = 0.2126 * twin.x + 0.7152 * twin.y + 0.0722 * twin.z;
-            errors.push((value - twin).abs() / twin.max(1.0));
-        }
-    }
-    errors.sort_by(f64::total_cmp);
+    let errors = errors_of_disc(&model, &rough, SIZE, radius_rad, 397);
     let at = |share: f64| errors[(share * (errors.len() - 1) as f64) as usize];
     println!("errors: median {:.1e}, 90 % {:.1e}, 95 % {:.1e}", at(0.5), at(0.9), at(0.95));
     // The twin reads the finest level, pixels the mean of what they cover; shadows have edges.

@@ -37,6 +37,11 @@ pub struct View {
 }
 
 impl View {
+    /// Rows of the whole picture; where nobody told, so few that nothing that is sized by them is cut off.
+    pub(crate) fn rows_or_fewest(&self) -> u32 {
+        if self.rows_px == 0 { 360 } else { self.rows_px }
+    }
+
     /// A camera at the observer that looks along an azimuth (from north through east) and altitude with a vertical
     /// field of view, all in radians.
     pub fn looking(azimuth_rad: f64, altitude_rad: f64, fov_rad: f64, aspect: f64) -> Self {

@@ -213,8 +213,7 @@ const RIM: usize = 64;
 
 /// What a circle on the sky may touch of a view's part, with some room for refraction and soft edges: ndc of the part.
 fn rectangle(view: &View, centre: DVec3, radius_rad: f64) -> Option<[f64; 4]> {
-    let rows = if view.rows_px > 0 { view.rows_px } else { 360 };
-    let pixel_rad = view.degrees_per_pixel(rows).to_radians();
+    let pixel_rad = view.degrees_per_pixel(view.rows_or_fewest()).to_radians();
     // Refraction lifts by 0.6° at the Earth's horizon.
     let radius = 1.02 * radius_rad + 0.02 + 3.0 * pixel_rad;
     let whole = circle(view, centre, radius).unwrap_or(WHOLE);

@@ -84,13 +84,7 @@ struct NameVertex {
 fn name_vertex(@builtin(vertex_index) vertex: u32) -> NameVertex {
     let letter = name_letters[vertex / 6u];
     let label = name_labels[letter.label];
-    // As `move_points` moves stars.
-    let moved = normalize(label.place + label.velocity * points.years - label.parallax * points.observer_au);
-    let along = dot(moved, points.beta);
-    let slow = 1.0 - 0.5 * dot(points.beta, points.beta);
-    let aberrated = normalize(moved * slow + points.beta * (1.0 + 0.5 * along));
-    let star = aberrated.x * points.view_from_list_x + aberrated.y * points.view_from_list_y
-        + aberrated.z * points.view_from_list_z;
+    let star = airless_direction(label.place, label.velocity, label.parallax);
     let number = min(label.number, MOST_NAMED_BODIES - 1u);
     let body = names.bodies[number];
     let beside = names.beside[number];

@@ -11,15 +11,13 @@ use crate::error::GpuError;
 use crate::layout::gpu_struct;
 use crate::output::tonemap::srgb_decode;
 use crate::pass::{Bound, Slot, bind, layout, module};
-use crate::phenomena::stars::{PointsUniform, view_of_points};
+use crate::phenomena::stars::{PointsUniform, pipeline_over_sky, view_of_points};
 use crate::phenomena::sun::BendingUniform;
 use crate::target::{Output, Target};
 use crate::view::{Projection, View};
 
 /// Magnitude of what is no star: never too faint.
 const NO_STAR: f32 = -1e9;
-/// Rows of a picture whose size nobody told; points take as many.
-const ROWS: f64 = 360.0;
 
 gpu_struct! {
     /// A name; the fields are explained in `names.wgsl`.
@@ -290,8 +288,7 @@ impl NamesPass {
             let columns = |turn: DMat3| [turn.x_axis, turn.y_axis, turn.z_axis].map(|axis| axis.as_vec3().to_array());
             [points.view_from_list_x, points.view_from_list_y, points.view_from_list_z] =
                 columns(view_from_enu * enu_from_icrs);
-            let rows = if view.rows_px == 0 { ROWS } else { f64::from(view.rows_px) };
-            let pixel_rad = view.degrees_per_pixel(rows as u32).to_radians();
+            let pixel_rad = view.degrees_per_pixel(view.rows_or_fewest()).to_radians();
             let scale = 1.0 / (names.params.size_px * pixel_rad.max(1e-12));
             let faintest = faintest(names.params.magnitude, view).min(names.limiting_magnitude);
             let seen: Vec<(DVec3, f64)> = (names.bodies.iter().take(MOST_NAMED_BODIES))
@@ -327,7 +324,12 @@ impl NamesPass {
             let letters = uploaded.starts.get(uploaded.list.count_to(faintest)).copied().unwrap_or(0);
             let linear = matches!(view.projection, Projection::Matrix(_));
             self.pipelines.entry(linear).or_insert_with(|| {
-                covering_pipeline(&self.device, &self.target, &self.module, &self.pipeline_layout, linear)
+                // Colours are multiplied by their alpha already.
+                let covering = wgpu::BlendComponent::OVER;
+                let entries = ["name_vertex", "name_fragment"];
+                let constants = [("linear", f64::from(u8::from(linear)))];
+                let (module, layout) = (&self.module, &self.pipeline_layout);
+                pipeline_over_sky(&self.device, &self.target, module, layout, entries, &constants, covering)
             });
             self.views.push(Some((linear, letters)));
         }
@@ -409,43 +411,5 @@ fn colours(names: &Names, target: &Target) -> [[f32; 4]; LabelKind::COUNT] {
         let colour = colour * names.params.strength;
         let shown = if encoded { colour } else { srgb_decode(colour) };
         shown.as_vec3().extend(1.0).to_array()
-    })
-}
-
-/// A pipeline whose colours cover what is in the target by their alpha, which they are multiplied by already.
-fn covering_pipeline(
-    device: &wgpu::Device,
-    target: &Target,
-    module: &wgpu::ShaderModule,
-    layout: &wgpu::PipelineLayout,
-    linear: bool,
-) -> wgpu::RenderPipeline {
-    let constants = [("far_depth", target.far_depth()), ("linear", f64::from(u8::from(linear)))];
-    let options = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
-    let colour = wgpu::ColorTargetState {
-        format: target.colour,
-        blend: Some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING),
-        write_mask: wgpu::ColorWrites::COLOR,
-    };
-    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some("names"),
-        layout: Some(layout),
-        vertex: wgpu::VertexState {
-            module,
-            entry_point: Some("name_vertex"),
-            compilation_options: options(),
-            buffers: &[],
-        },
-        primitive: Default::default(),
-        depth_stencil: target.behind(),
-        multisample: wgpu::MultisampleState { count: target.samples, ..Default::default() },
-        fragment: Some(wgpu::FragmentState {
-            module,
-            entry_point: Some("name_fragment"),
-            compilation_options: options(),
-            targets: &[Some(colour)],
-        }),
-        multiview_mask: None,
-        cache: None,
     })
 }

@@ -10,7 +10,7 @@ use super::names_pass::NamesPass;
 use crate::error::GpuError;
 use crate::layout::gpu_struct;
 use crate::pass::{Bound, Slot, bind, layout, module};
-use crate::phenomena::stars::{PointsUniform, adding_pipeline, view_of_points};
+use crate::phenomena::stars::{ADDED, PointsUniform, pipeline_over_sky, view_of_points};
 use crate::phenomena::sun::BendingUniform;
 use crate::target::Target;
 use crate::view::{Projection, View};
@@ -205,14 +205,14 @@ impl Lines {
                     let on = |yes: bool| f64::from(u8::from(yes));
                     let constants = [("linear", on(linear)), ("refracted", on(refracted))];
                     let entries = ["line_vertex", "line_fragment"];
-                    let pipeline = adding_pipeline(
+                    let pipeline = pipeline_over_sky(
                         &self.device,
                         &self.target,
-                        "lines",
                         &shader,
                         &self.pipeline_layout,
                         entries,
                         &constants,
+                        ADDED,
                     );
                     self.pipelines.insert((linear, refracted), pipeline);
                 }

@@ -49,7 +49,7 @@ pub(crate) fn disc_slots(view: &View, discs: &[PlanetDisc]) -> Vec<usize> {
 
 /// Height of a pixel where a disc stands, rad; `None` outside what the view can show.
 fn pixel_rad(view: &View, disc: &PlanetDisc) -> Option<f64> {
-    let rows = f64::from(if view.rows_px == 0 { 360 } else { view.rows_px });
+    let rows = f64::from(view.rows_or_fewest());
     match view.projection {
         Projection::Matrix(_) => {
             let [_, _, up] = view.rays().ok()?;

@@ -1,6 +1,6 @@
 //! Bins of a picture: what the sky's pixels look points up in.
 
-use super::pass::{PointsUniform, rows_of};
+use super::pass::PointsUniform;
 use crate::error::GpuError;
 use crate::pass::{Bound, Slot, bind, compute, layout, module};
 use crate::view::{Projection, View};
@@ -21,7 +21,7 @@ const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba32Uint;
 
 /// Bins along the sides of a view's picture.
 pub(crate) fn bins_of_view(view: &View) -> [u32; 2] {
-    let rows = rows_of(view);
+    let rows = f64::from(view.rows_or_fewest());
     let columns = match view.projection {
         Projection::Matrix(_) => view.rays().map_or(rows, |[_, x, y]| rows * x.length() / y.length()),
         _ => rows * view.aspect,

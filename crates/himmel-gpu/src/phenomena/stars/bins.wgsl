@@ -31,20 +31,16 @@ fn bins_of(point: SeenPoint) -> Reach {
     var high = vec2i(floor((point.centre + point.half_size + 1.0) * scale));
     // No more than two, whatever rounding does.
     high = min(high, low + 1);
-    if !linear && view.projection == 2u {
-        // The left edge is the right edge.
-        high.x = min(high.x, low.x + sides.x - 1);
-        let around = ((low.x % sides.x) + sides.x) % sides.x;
-        high.x += around - low.x;
-        low.x = around;
-        low.y = max(low.y, 0);
-        high.y = min(high.y, sides.y - 1);
-    } else {
-        low = max(low, vec2i(0));
-        high = min(high, sides - 1);
-    }
+    // Of an equirectangular picture the left edge is the right edge. Chosen, not branched on: see sky.wgsl.
+    let around = ((low.x % sides.x) + sides.x) % sides.x;
+    let turned = vec2i(around, around + min(high.x - low.x, sides.x - 1));
+    low = max(low, vec2i(0));
+    high = min(high, sides - 1);
+    let closed = !linear && view.projection == 2u;
+    low.x = select(low.x, turned.x, closed);
+    high.x = select(high.x, turned.y, closed);
     let binned = point.wide == 0u && point.half_size.x > 0.0 && all(high >= low);
-    return Reach(vec2u(max(low, vec2i(0))), select(vec2u(0u), vec2u(max(high - low + 1, vec2i(0))), binned));
+    return Reach(vec2u(low), select(vec2u(0u), vec2u(max(high - low + 1, vec2i(0))), binned));
 }
 
 fn bin_slot(reach: Reach, i: u32) -> u32 {

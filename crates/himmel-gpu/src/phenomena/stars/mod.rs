@@ -28,5 +28,5 @@ mod pass;
 pub(crate) use bins::{bins_of_view, bins_texel, read_layout};
 pub use model::{Hider, PointBody, StarField, StarList, StarPoint};
 pub use params::{Glare, PointSpread, StarsParams};
+pub(crate) use pass::{ADDED, Points, PointsScene, glare_of, pipeline_over_sky, view_of_points};
 pub use pass::{MOST_BODIES, MOST_HIDERS, PointLight, PointsUniform, SeenPoint};
-pub(crate) use pass::{Points, PointsScene, adding_pipeline, glare_of, view_of_points};

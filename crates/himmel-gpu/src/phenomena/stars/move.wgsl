@@ -28,12 +28,7 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
     }
     let place_in_list = place_in_list_of(index);
     let point = point_list[place_in_list];
-    let moved = normalize(point.place + point.velocity * points.years - point.parallax * points.observer_au);
-    let along = dot(moved, points.beta);
-    let slow = 1.0 - 0.5 * dot(points.beta, points.beta);
-    let aberrated = normalize(moved * slow + points.beta * (1.0 + 0.5 * along));
-    let direction = aberrated.x * points.view_from_list_x + aberrated.y * points.view_from_list_y
-        + aberrated.z * points.view_from_list_z;
+    let direction = airless_direction(point.place, point.velocity, point.parallax);
     let bits = points.discs[min(place_in_list / 32u, 3u)];
     var hidden = place_in_list < 128u && ((bits >> (place_in_list % 32u)) & 1u) == 1u;
     // All four: an unused one has no radius.
@@ -75,8 +70,7 @@ fn move_points(@builtin(global_invocation_id) id: vec3u) {
         let soft = max(max(points.glare_soft, radial_px), point.width);
         let reach = min(glare_reach(points.glare.xy, points.glare_floor / max(bright * exposure_now(), 1e-30), soft), points.glare.z);
         let share = glare_share(points.glare.xy, max(reach, 1e-9), soft);
-        let worth = reach > 2.0 * radial_px;
-        glare = vec3f(select(0.0, reach, worth), soft, select(0.0, share, worth));
+        glare = vec3f(reach, soft, select(0.0, share, reach > 0.0));
         half_size = max(half_size, vec2f(glare.x / radial_px) * widen / widen.y);
     }
     var thesis_glare_px = 0.0;

@@ -30,8 +30,6 @@ pub const MOST_BODIES: usize = 128;
 pub const MOST_HIDERS: usize = 4;
 /// Views of a frame that have points: their prepared points stay below WebGPU's 128 MiB of a buffer.
 const MOST_VIEWS: usize = 64;
-/// Rows of a picture whose size nobody told: fewer would cut cores off.
-const FEWEST_ROWS: f64 = 360.0;
 /// How far the core of a star reaches, and the glare of the thesis, pixels: the brightest star's is 20.
 const SPREAD_PX: f64 = 64.0;
 
@@ -608,7 +606,7 @@ impl Points {
         let drawing = kind.drawing();
         if self.blends && !self.drawing.contains_key(&drawing) {
             let entries = ["point_vertex", "point_fragment"];
-            let pipeline = self.adding("points", &self.modules[1], &self.pipeline_layouts[2], entries, drawing);
+            let pipeline = self.adding(&self.modules[1], &self.pipeline_layouts[2], entries, drawing);
             let finished = self.target.output == Output::Display;
             let behind = finished.then(|| self.computing(1, "look_behind", drawing));
             self.drawing.insert(drawing, (behind, pipeline));
@@ -659,18 +657,17 @@ impl Points {
             None => self.disc_module.insert(module(&self.device, "phenomena/planets/disc.wgsl")?).clone(),
         };
         let entries = ["planet_vertex", "planet_fragment"];
-        Ok(self.adding("planets", &shader, &self.disc_pipeline_layout, entries, kind))
+        Ok(self.adding(&shader, &self.disc_pipeline_layout, entries, kind))
     }
 
     fn adding(
         &self,
-        label: &str,
         module: &wgpu::ShaderModule,
         layout: &wgpu::PipelineLayout,
         entries: [&str; 2],
         kind: Kind,
     ) -> wgpu::RenderPipeline {
-        adding_pipeline(&self.device, &self.target, label, module, layout, entries, &self.overrides(kind)[1..])
+        pipeline_over_sky(&self.device, &self.target, module, layout, entries, &self.overrides(kind)[1..], ADDED)
     }
 
     /// Whether the prepared frame has any.
@@ -749,31 +746,34 @@ impl Points {
     }
 }
 
-/// A pipeline that adds to what is in the target; `constants`: overrides besides the depth at infinity.
-pub(crate) fn adding_pipeline(
+/// What is added to a picture.
+pub(crate) const ADDED: wgpu::BlendComponent = wgpu::BlendComponent {
+    src_factor: wgpu::BlendFactor::One,
+    dst_factor: wgpu::BlendFactor::One,
+    operation: wgpu::BlendOperation::Add,
+};
+
+/// A pipeline that draws over the sky; its label is its vertices' entry point. `constants`: overrides besides the depth at infinity;
+/// `blend`: with what is in the target.
+pub(crate) fn pipeline_over_sky(
     device: &wgpu::Device,
     target: &Target,
-    label: &str,
     module: &wgpu::ShaderModule,
     layout: &wgpu::PipelineLayout,
     [vertex, fragment]: [&str; 2],
     constants: &[(&'static str, f64)],
+    blend: wgpu::BlendComponent,
 ) -> wgpu::RenderPipeline {
     let far_depth = ("far_depth", target.far_depth());
     let constants: Vec<_> = std::iter::once(far_depth).chain(constants.iter().copied()).collect();
     let options = || wgpu::PipelineCompilationOptions { constants: &constants, ..Default::default() };
-    let add = wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    };
     let colour = wgpu::ColorTargetState {
         format: target.colour,
-        blend: Some(wgpu::BlendState { color: add, alpha: add }),
+        blend: Some(wgpu::BlendState { color: blend, alpha: blend }),
         write_mask: wgpu::ColorWrites::COLOR,
     };
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
-        label: Some(label),
+        label: Some(vertex),
         layout: Some(layout),
         vertex: wgpu::VertexState { module, entry_point: Some(vertex), compilation_options: options(), buffers: &[] },
         primitive: Default::default(),
@@ -818,9 +818,9 @@ fn sight_of(
     scene: &PointsScene<'_>,
     lift: &BendingUniform,
 ) -> Result<Sight, GpuError> {
-    let rows = rows_of(view);
+    let rows = f64::from(view.rows_or_fewest());
     let physical = params.psf == PointSpread::Physical;
-    let pixel_rad = view.degrees_per_pixel(rows as u32).to_radians();
+    let pixel_rad = view.degrees_per_pixel(view.rows_or_fewest()).to_radians();
     let glare_rad = if physical && params.glare_for(output) != Glare::None { GLARE_FARTHEST_RAD } else { 0.0 };
     let spread_rad = glare_rad + SPREAD_PX * pixel_rad + 10.0 * (params.seeing_arcsec / 3600.0).to_radians();
     let lift_rad = lift.deviation.as_flattened().iter().fold(0f32, |most, &value| most.max(value.abs()));
@@ -841,8 +841,8 @@ fn faintest(field: &StarField, output: Output, sight: &Sight) -> f64 {
     field.params.limiting_magnitude.min(-2.5 * (lost_lx.max(1e-300) / ILLUMINANCE_OF_V_0_LX).log10())
 }
 
-/// How much brighter than the sky a star's light, spread over one pixel, must be to be drawn. Finished: a tenth of a step of 8 bits,
-/// as `points.wgsl` has it; linear: ten times less. Four times less for twinkling, and the rest of what darkens.
+/// How much brighter than the sky a star's light, spread over one pixel, must be to be drawn. Finished: a tenth of a step of 8 bits;
+/// linear: ten times less. Four times less for twinkling, and the rest of what darkens.
 fn lost_share(output: Output) -> f64 {
     match output {
         Output::Display => 5e-4,
@@ -859,11 +859,6 @@ fn list_runs(runs: &[(usize, usize)]) -> [[[u32; 4]; 24]; 2] {
         start += count;
     }
     listed
-}
-
-/// Rows of a picture, or a guess that is not too many.
-pub(super) fn rows_of(view: &View) -> f64 {
-    if view.rows_px == 0 { FEWEST_ROWS } else { f64::from(view.rows_px) }
 }
 
 /// What all lists of a view share; `None` for a projection that looks one way everywhere.
@@ -918,7 +913,7 @@ pub(crate) fn view_of_points(view: &View) -> Result<Option<PointsUniform>, GpuEr
     if linear && (area.is_nan() || area <= 1e-30) {
         return Ok(None);
     }
-    let rows = rows_of(view);
+    let rows = f64::from(view.rows_or_fewest());
     // Pixels are square.
     let aspect = if linear { x.length() / y.length() } else { view.aspect };
     Ok(Some(PointsUniform {

@@ -112,6 +112,16 @@ struct SeenPoint {
 
 @group(2) @binding(0) var<uniform> points: PointsUniform;
 
+// Where a point of the list is in view space without refraction: proper motion, parallax, aberration.
+fn airless_direction(place: vec3f, velocity: vec3f, parallax: f32) -> vec3f {
+    let moved = normalize(place + velocity * points.years - parallax * points.observer_au);
+    let along = dot(moved, points.beta);
+    let slow = 1.0 - 0.5 * dot(points.beta, points.beta);
+    let aberrated = normalize(moved * slow + points.beta * (1.0 + 0.5 * along));
+    return aberrated.x * points.view_from_list_x + aberrated.y * points.view_from_list_y
+        + aberrated.z * points.view_from_list_z;
+}
+
 fn lift_node(index: i32) -> f32 {
     let i = clamp(index, 0, 31);
     return points.lift.deviation[i / 4][i % 4];
